@@ -148,12 +148,18 @@ class Channel:
 class Joint:
     """A joint of the skeleton that carries the face; after its parent. parent: an index of joints, or None. rest: (3, 4),
     a frame in its parent; None: at its parent's. inverse_bind: (3, 4), from the space of positions to the joint's; None:
-    the inverse of where the joint is at rest."""
+    the inverse of where the joint is at rest. numbers: of a skinned rig, how the controls move it, see DrivenJoint; it
+    then becomes one. Without any it is a host's, unless it is below one that has some."""
 
     name: str
     parent: Optional[int] = None
     rest: Optional[ArrayLike] = None
     inverse_bind: Optional[ArrayLike] = None
+    numbers: Tuple[str, ...] = ()
+
+
+# How a joint may move within its parent, by bit.
+NUMBERS = tuple(f"{kind}_{axis}" for kind in ("rotate", "move", "scale") for axis in "xyz")
 
 
 class DrivenJoint(NamedTuple):

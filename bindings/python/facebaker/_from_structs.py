@@ -8,8 +8,8 @@ from typing import Any, Sequence, Tuple
 import numpy as np
 
 from . import _interop as abi
-from ._character import ALPHA_MODES, SLOTS, WRAPS, Channel, Control, DrivenJoint, ExactPose, Image, Joint, Level, Material
-from ._character import MaterialRun, Mesh, Socket, Texture
+from ._character import ALPHA_MODES, NUMBERS, SLOTS, WRAPS, Channel, Control, DrivenJoint, ExactPose, Image, Joint, Level
+from ._character import Material, MaterialRun, Mesh, Socket, Texture
 
 
 def copied(pointer: Any, count: int) -> Any:
@@ -81,9 +81,6 @@ def channel_of(struct: abi.fb_channel) -> Channel:
 def joint_of(struct: abi.fb_joint) -> Joint:
     parent = None if struct.parent == abi.FB_NO_JOINT else struct.parent
     return Joint(struct.name.decode(), parent, _frame(struct.rest), _frame(struct.inverse_bind))
-
-
-NUMBERS = tuple(f"{kind}_{axis}" for kind in ("rotate", "move", "scale") for axis in "xyz")  # by bit
 
 
 def driven_joint_of(struct: abi.fb_driven_joint) -> DrivenJoint:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import traceback
 from dataclasses import dataclass
-from typing import Any, Callable, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from ._arrays import ArrayLike, Floats, floats, indices, polygon_lists
-from ._character import About, Channel, Control, Image, Joint, Material, Mesh, Skin, Socket
+from ._character import NUMBERS, About, Channel, Control, Image, Joint, Material, Mesh, Skin, Socket
 
 # Takes two axes exactly, so that a function for arrays of any shape, and one for those of two axes, are both accepted.
 Evaluate = Callable[["np.ndarray[Tuple[int, int], np.dtype[np.float32]]"], Any]
@@ -37,15 +37,29 @@ class Clip:
     channels: Optional[ArrayLike] = None
 
 
+class Evaluated(NamedTuple):
+    """What evaluate gave, checked and contiguous: (poses, vertices, 3), (poses, channels) and (poses, joints, 3, 4), of
+    which a rig that has none has no columns."""
+
+    positions: Floats
+    channels: Floats
+    frames: Floats
+
+
 class Rig:
     """A rig: which controls it has, what its rest mesh is, and where the vertices are in a pose.
 
     controls: of class Control, or names of controls that go from 0 to 1 and rest at 0; in the order of every pose.
 
     evaluate: a callable that is given controls, (poses, controls), float32, within their ranges, and returns positions,
-    (poses, vertices, 3), before skinning, in units; with channels a pair of positions and (poses, channels). The same
-    controls give the same result whenever they are asked for. Its argument is valid during the call only. Without
-    evaluate the rig is a recording: every clip has positions.
+    (poses, vertices, 3), before skinning, in units. With channels and skinned it returns a tuple of positions, of
+    (poses, channels) if there are channels, and of (poses, joints, 3, 4) if it is skinned. The same controls give the
+    same result whenever they are asked for. Its argument is valid during the call only. Without evaluate the rig is a
+    recording: every clip has positions.
+
+    skinned: positions, also those at rest, are after skinning, and evaluate says where each joint is, in the space of
+    positions: Joint.numbers are then taken out as driven joints, and what others do is left to a host. Not of
+    recordings, nor of rigs that facebaker.serve serves.
 
     rest_positions: (vertices, 3), what evaluate gives at rest to 1e-5 of the diagonal; None: it is asked.
     polygons: (polygons, corners), vertex indices, -1 behind the last corner of those that have fewer, or a sequence of
@@ -85,6 +99,7 @@ class Rig:
         version: str = "",
         preferred_block: int = 0,
         thread_safe: bool = False,
+        skinned: bool = False,
         notes: Sequence[str] = (),
     ) -> None:
         self.controls = tuple(Control(control) if isinstance(control, str) else control for control in controls)
@@ -93,7 +108,8 @@ class Rig:
         self.meshes, self.materials, self.images = tuple(meshes), tuple(materials), tuple(images)
         self.sockets, self.channels, self.joints = tuple(sockets), tuple(channels), tuple(joints)
         self.about, self.version, self.notes = about, version, tuple(notes)
-        self.preferred_block, self.thread_safe = preferred_block, thread_safe
+        self.preferred_block, self.thread_safe, self.skinned = preferred_block, thread_safe, skinned
+        self._check_joints()
         if not 0 <= preferred_block <= 4096:
             raise ValueError(f"preferred_block is {preferred_block}, not 0 to 4096")
         self.rest_controls: Floats = np.array([control.rest for control in self.controls], np.float32)
@@ -112,29 +128,46 @@ class Rig:
             f"<facebaker.Rig {self.name!r}: {kind}, {len(self.controls)} controls, {len(self.rest_positions)} vertices>"
         )
 
-    def evaluate_poses(self, controls: Floats) -> Tuple[Floats, Floats]:
-        """(poses, controls) -> what evaluate gives, checked: (poses, vertices, 3) and (poses, channels), contiguous.
-        Raises what evaluate does, and ValueError on arrays of another shape."""
+    def evaluate_poses(self, controls: Floats) -> Evaluated:
+        """Of (poses, controls). Raises what evaluate does, and ValueError on arrays of another shape."""
         if self.evaluate is None:
             raise TypeError(f"{self.name!r} is a recording, which has no new poses")
         given: Any = controls
-        result = self.evaluate(given)
-        values: Any = np.zeros((len(controls), 0), np.float32)
-        if self.channels:
-            if not isinstance(result, tuple) or len(result) != 2:
-                raise ValueError(f"evaluate gave {type(result).__name__}, not a pair of positions and channels")
-            result, values = result
-        positions = floats(result, (len(controls), len(self.rest_positions), 3), "positions that evaluate gave")
-        return positions, floats(values, (len(controls), len(self.channels)), "channels that evaluate gave")
+        poses, parts = len(controls), self._parts_of(self.evaluate(given))
+        channels: Any = parts.get("channels", np.zeros((poses, 0)))
+        frames: Any = parts.get("frames", np.zeros((poses, 0, 3, 4)))
+        joints = len(self.joints) if self.skinned else 0
+        return Evaluated(
+            floats(parts["positions"], (poses, len(self.rest_positions), 3), "positions that evaluate gave"),
+            floats(channels, (poses, len(self.channels)), "channels that evaluate gave"),
+            floats(frames, (poses, joints, 3, 4), "frames that evaluate gave"),
+        )
+
+    def _parts_of(self, result: Any) -> Dict[str, Any]:
+        """What evaluate returned, by what it is."""
+        names = ["positions"] + ["channels"] * bool(self.channels) + ["frames"] * self.skinned
+        if len(names) == 1:
+            return {"positions": result}
+        if not isinstance(result, tuple) or len(result) != len(names):
+            raise ValueError(f"evaluate gave {type(result).__name__}, not a tuple of {' and '.join(names)}")
+        return dict(zip(names, result))
+
+    def _check_joints(self) -> None:
+        if self.skinned and self.evaluate is None:
+            raise ValueError("a recording is not skinned: it has no frames of joints")
+        for joint in self.joints:
+            for number in joint.numbers:
+                if number not in NUMBERS:
+                    raise ValueError(f'joint "{joint.name}": {number!r} is none of {", ".join(NUMBERS)}')
+            if joint.numbers and not self.skinned:
+                raise ValueError(f'joint "{joint.name}" has numbers, and the rig is not skinned')
 
     def _positions_at_rest(self) -> ArrayLike:
         if self.evaluate is None:
             raise ValueError("a recording needs rest_positions")
         rest: Any = self.rest_controls[None].copy()
-        result = self.evaluate(rest)
-        if self.channels and isinstance(result, tuple):
-            result = result[0]
-        return np.array(floats(result, (1, None, 3), "positions that evaluate gave")[0])
+        positions = self._parts_of(self.evaluate(rest))["positions"]
+        return np.array(floats(positions, (1, None, 3), "positions that evaluate gave")[0])
 
     def _uv_corners(self, uv_polygons: Any) -> Any:
         if len(self.uvs) == 0:

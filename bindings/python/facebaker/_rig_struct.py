@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _interop as abi
 from ._calls import text_bytes
-from ._character import ALPHA_MODES, SLOTS, WRAPS, Channel, Image, Joint, Material, Mesh, Socket
+from ._character import ALPHA_MODES, NUMBERS, SLOTS, WRAPS, Channel, Image, Joint, Material, Mesh, Socket
 from ._rig import KINDS, SPLITS, Clip, Rig, describe
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
@@ -25,7 +25,9 @@ class HostRig:
         self._raised: Optional[BaseException] = None
         self._kept: List[Any] = []
         self.struct = self._description()
-        if rig.channels:
+        if rig.skinned:
+            self.struct.evaluate_skinned = abi.fb_rig_evaluate_skinned(self._evaluate_skinned)
+        elif rig.channels:
             self.struct.evaluate_all = abi.fb_rig_evaluate_all(self._evaluate_all)
         else:
             self.struct.evaluate = abi.fb_rig_evaluate(self._evaluate)
@@ -38,24 +40,39 @@ class HostRig:
     # Evaluating
 
     def _evaluate(self, _: Any, poses: int, controls: int, positions: int, message: int, size: int) -> int:
-        return self._answer(poses, controls, positions, None, message, size)
+        return self._answer(poses, controls, positions, None, None, message, size)
 
     def _evaluate_all(
         self, _: Any, poses: int, controls: int, positions: int, channels: int, message: int, size: int
     ) -> int:
-        return self._answer(poses, controls, positions, channels, message, size)
+        return self._answer(poses, controls, positions, channels, None, message, size)
+
+    def _evaluate_skinned(
+        self, _: Any, poses: int, controls: int, positions: int, channels: int, joints: int, message: int, size: int
+    ) -> int:
+        return self._answer(poses, controls, positions, channels, joints, message, size)
 
     def _answer(
-        self, poses: int, controls: int, positions: int, channels: Optional[int], message: int, size: int
+        self,
+        poses: int,
+        controls: int,
+        positions: int,
+        channels: Optional[int],
+        joints: Optional[int],
+        message: int,
+        size: int,
     ) -> int:
         try:
             rig = self._rig
             given = _memory(controls, poses, len(rig.controls))
             given.flags.writeable = False
-            points, values = rig.evaluate_poses(given)
-            _memory(positions, poses, 3 * len(rig.rest_positions))[:] = points.reshape(poses, -1)
+            result = rig.evaluate_poses(given)
+            _memory(positions, poses, 3 * len(rig.rest_positions))[:] = result.positions.reshape(poses, -1)
             if channels is not None:
-                _memory(channels, poses, len(rig.channels))[:] = values
+                _memory(channels, poses, len(rig.channels))[:] = result.channels
+            if joints is not None:
+                frames = result.frames.reshape(poses, -1)
+                _memory(joints, poses, abi.FB_FRAME_FLOATS * len(rig.joints))[:] = frames
             return abi.FB_OK
         except BaseException as error:  # SystemExit, too: the library has to return first
             self._raised = error
@@ -73,7 +90,7 @@ class HostRig:
             name=text_bytes(rig.name),
             units=text_bytes(rig.units),
             up_axis=text_bytes(rig.up_axis),
-            flags=abi.FB_RIG_THREAD_SAFE if rig.thread_safe else 0,
+            flags=abi.FB_RIG_THREAD_SAFE * rig.thread_safe | abi.FB_RIG_SKINNED * rig.skinned,
             vertex_count=len(rig.rest_positions),
             polygon_count=len(rig.polygon_sizes),
             uv_count=len(rig.uvs),
@@ -104,6 +121,8 @@ class HostRig:
         self._list(struct, "socket", [self._socket(socket) for socket in rig.sockets], abi.fb_socket)
         self._list(struct, "channel", [self._channel(channel) for channel in rig.channels], abi.fb_channel)
         self._list(struct, "joint", [self._joint(joint) for joint in rig.joints], abi.fb_joint)
+        numbers = [sum(1 << NUMBERS.index(number) for number in set(joint.numbers)) for joint in rig.joints]
+        struct.joint_numbers = (c_uint32 * len(numbers))(*numbers)
         return struct
 
     def _point(self, struct: Any, field: str, array: Any, kind: Any) -> None:

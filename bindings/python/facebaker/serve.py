@@ -37,6 +37,8 @@ def serve(rig: Rig, requests: Optional[BinaryIO] = None, answers: Optional[Binar
         requests, answers = _pipes()
     if rig.evaluate is None:
         return _write(answers, _error(f'"{rig.name}" is a recording, which has no new poses'))
+    if rig.skinned:
+        return _write(answers, _error(f'"{rig.name}" is skinned: it is baked by Python, in its own process'))
     server = _Server(rig)
     while True:
         request = _read(requests)
