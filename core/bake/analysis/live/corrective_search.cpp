@@ -400,8 +400,7 @@ std::size_t CorrectiveSearch::rank_in_batches(std::vector<Candidate>& candidates
   const std::size_t order = candidates.empty() ? 0 : candidates[0].controls.size();
   std::vector<Candidate> interacting;
   std::size_t ranked = 0;
-  for (std::size_t i = 0; i < most_batches && ranked < candidates.size() && interacting.size() < with_joints(most);
-       ++i) {
+  for (std::size_t i = 0; i < most_batches && ranked < candidates.size() && interacting.size() < most; ++i) {
     const std::size_t end = std::min(candidates.size(), ranked + ranked_by_pose * most);
     std::vector<Candidate> batch(std::make_move_iterator(candidates.begin() + std::ptrdiff_t(ranked)),
                                  std::make_move_iterator(candidates.begin() + std::ptrdiff_t(end)));
@@ -422,7 +421,7 @@ void CorrectiveSearch::find(std::size_t order, std::size_t most) {
   if (order == 2)
     rank("ranking correctives", all, order);
   else
-    evaluated = rank_in_batches(all, most);
+    evaluated = rank_in_batches(all, with_joints(most));
   const std::size_t interacting = all.size();
   limit(all, most);
   const std::size_t fitted = fit_all(std::move(all));
