@@ -42,6 +42,9 @@ struct Skin {
   std::size_t count(std::size_t vertex) const;
 };
 
+// The identity: of what has not moved.
+inline constexpr Frame<double> still_frame = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
 Frame<double> product(const Frame<double>& a, const Frame<double>& b);
 // Nothing where it cannot be inverted in floating point.
 std::optional<Frame<double>> inverse(const Frame<double>& frame);

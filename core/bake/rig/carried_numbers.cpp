@@ -33,7 +33,8 @@ std::size_t carried_count(const RigSchema& schema, const Mesh& rest) {
 void join_carried(const RigSchema& schema, const Mesh& rest, std::span<const float> positions,
                   std::span<const float> numbers, std::size_t poses, std::span<float> points) {
   const std::size_t width = rest.points.size(), surface = 3 * rest.surface_vertex_count();
-  const std::size_t channels = schema.channels.size(), joints = rest.driven.scales.size();
+  const std::size_t channels = schema.channels.size(), joints = rest.driven.scales.size(),
+                    first_joint = rest.first_joint_coordinate();
   for (std::size_t p = 0; p < poses; ++p) {
     const std::span<float> pose = points.subspan(p * width, width);
     std::ranges::copy(positions.subspan(p * surface, surface), pose.begin());
@@ -46,22 +47,21 @@ void join_carried(const RigSchema& schema, const Mesh& rest, std::span<const flo
       pose[surface + c] = static_cast<float>((double(within) - channel.rest) / channel.scale);
     }
     for (std::size_t n = 0; n < joints; ++n)
-      pose[rest.first_joint_coordinate() + n] =
-          static_cast<float>(double(values[channels + n]) / rest.driven.scales[n]);
+      pose[first_joint + n] = static_cast<float>(double(values[channels + n]) / rest.driven.scales[n]);
   }
 }
 
 void split_carried(const RigSchema& schema, const Mesh& rest, std::span<const float> points, std::size_t poses,
                    std::span<float> positions, std::span<float> numbers) {
   const std::size_t width = rest.points.size(), surface = 3 * rest.surface_vertex_count();
-  const std::size_t channels = schema.channels.size(), joints = rest.driven.scales.size();
+  const std::size_t channels = schema.channels.size(), joints = rest.driven.scales.size(),
+                    first_joint = rest.first_joint_coordinate();
   for (std::size_t p = 0; p < poses; ++p) {
     const std::span<const float> pose = points.subspan(p * width, width);
     std::ranges::copy(pose.first(surface), positions.begin() + std::ptrdiff_t(p * surface));
     float* const values = numbers.data() + p * (channels + joints);
     for (std::size_t c = 0; c < channels; ++c) values[c] = schema.channels[c].value(pose[surface + c]);
-    for (std::size_t n = 0; n < joints; ++n)
-      values[channels + n] = rest.driven.scales[n] * pose[rest.first_joint_coordinate() + n];
+    for (std::size_t n = 0; n < joints; ++n) values[channels + n] = rest.driven.scales[n] * pose[first_joint + n];
   }
 }
 

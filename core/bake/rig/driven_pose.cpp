@@ -10,7 +10,6 @@ namespace fb::bake {
 namespace {
 
 using Axis = std::array<double, 3>;
-constexpr Frame<double> still_frame = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 constexpr double pi = 3.14159265358979323846;
 constexpr double most_angle = 0.95 * pi;
 
@@ -90,11 +89,21 @@ Frame<double> inverse_rest(const DrivenJoint& joint) {
   return *back;
 }
 
-// The motion of a joint in the space of positions, from that of its parent and what it does itself.
+// The motion of a joint in the space of positions, from that of its parent and its own numbers.
 Frame<double> motion_of(const DrivenJoint& joint, std::span<const Frame<double>> motions, const Frame<double>& back,
-                        const Frame<double>& own) {
-  const Frame<double> here = product(product(to_double(joint.rest), own), back);
-  return joint.parent == no_joint ? here : product(motions[joint.parent], here);
+                        const double (&numbers)[numbers_a_joint]) {
+  const Frame<double>& above = joint.parent == no_joint ? still_frame : motions[joint.parent];
+  if (std::ranges::all_of(numbers, [](double number) { return number == 0; })) return above;
+  const Frame<double> here = product(product(to_double(joint.rest), own_motion(numbers)), back);
+  return joint.parent == no_joint ? here : product(above, here);
+}
+
+// Numbers that frames of floats cannot tell from 0 are 0, so that what no control moves is still.
+double without_noise(double number, std::size_t n, const DrivenJoint& joint) {
+  constexpr double noise = 5e-7;
+  const bool moves = joint_translation >> n & 1;
+  const float size = std::max({std::fabs(joint.rest[3]), std::fabs(joint.rest[7]), std::fabs(joint.rest[11])});
+  return std::fabs(number) <= noise * (moves ? double(size) : 1) ? 0 : number;
 }
 
 // By vertex: the weights of a joint and of all below it.
@@ -185,10 +194,10 @@ void find_joint_numbers(const DrivenJoints& driven, std::span<const Frame<double
     for (std::size_t a = 0; a < 3; ++a) all[6 + a] = dot(column(*rotation, a), column(own, a)) - 1;
     for (std::size_t n = 0; n < numbers_a_joint; ++n) {
       const bool has = joint.numbers >> n & 1;
-      if (has) numbers[at] = static_cast<float>(all[n]);
+      if (has) numbers[at] = static_cast<float>(without_noise(all[n], n, joint));
       all[n] = has ? numbers[at++] : 0;
     }
-    motions.push_back(motion_of(joint, motions, back, own_motion(all)));
+    motions.push_back(motion_of(joint, motions, back, all));
   }
 }
 
@@ -199,7 +208,7 @@ std::vector<Frame<double>> joint_motions(const DrivenJoints& driven, std::span<c
     double numbers[numbers_a_joint] = {};
     for (std::size_t n = 0; n < numbers_a_joint; ++n)
       if (joint.numbers >> n & 1) numbers[n] = double(driven.scales[at]) * coordinates[at], ++at;
-    motions.push_back(motion_of(joint, motions, inverse_rest(joint), own_motion(numbers)));
+    motions.push_back(motion_of(joint, motions, inverse_rest(joint), numbers));
   }
   return motions;
 }
@@ -209,9 +218,12 @@ namespace {
 // What a vertex is taken along by: weights x motions, and the rest of its weight as it is.
 Frame<double> blend_of(const Skin& skin, std::size_t vertex, std::span<const Frame<double>> motions) {
   Frame<double> blend = still_frame;
-  for (std::size_t i = vertex * skin.influences; i < (vertex + 1) * skin.influences; ++i)
-    for (std::size_t k = 0; k < 12; ++k)
-      blend[k] += double(skin.weights[i]) * (motions[skin.joints[i]][k] - still_frame[k]);
+  const std::size_t first = vertex * skin.influences;
+  for (std::size_t i = first; i < first + skin.influences && skin.weights[i] > 0; ++i) {
+    const Frame<double>& motion = motions[skin.joints[i]];
+    if (motion == still_frame) continue;
+    for (std::size_t k = 0; k < 12; ++k) blend[k] += double(skin.weights[i]) * (motion[k] - still_frame[k]);
+  }
   return blend;
 }
 
@@ -230,8 +242,9 @@ void remove_driven_skin(const Mesh& rest, std::span<float> points) {
   if (rest.driven.empty()) return;
   const auto motions = joint_motions(rest.driven, points.subspan(rest.first_joint_coordinate()));
   for (std::size_t v = 0; v < rest.surface_vertex_count(); ++v) {
-    if (rest.driven.skin.count(v) == 0) continue;
-    const auto back = inverse(blend_of(rest.driven.skin, v, motions));
+    const Frame<double> blend = blend_of(rest.driven.skin, v, motions);
+    if (blend == still_frame) continue;
+    const auto back = inverse(blend);
     const double at[3] = {points[3 * v], points[3 * v + 1], points[3 * v + 2]};
     for (std::size_t a = 0; a < 3; ++a) {
       const double* const row = back ? back->data() + 4 * a : nullptr;

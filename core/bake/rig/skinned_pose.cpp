@@ -20,6 +20,7 @@ std::optional<std::size_t> remove_skin(std::span<const Joint> joints, const Skin
     Frame<double> blend = {};
     for (std::size_t i = first; i < first + count; ++i)
       for (std::size_t k = 0; k < 12; ++k) blend[k] += double(skin.weights[i]) * matrices[skin.joints[i]][k];
+    if (blend == still_frame) continue;
     const auto back = inverse(blend);
     if (!back) return v;
     const double at[3] = {positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]};

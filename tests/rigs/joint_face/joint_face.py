@@ -106,7 +106,7 @@ class JointFace:
     def evaluate(self, poses):
         frames = self.frames(poses.astype(float))
         moved = frames.copy()
-        moved[..., 3] -= (frames[..., :3] @ self.heads[..., None])[..., 0]
+        moved[..., 3] -= (frames[..., :3] * self.heads[:, None]).sum(-1)
         moved = (moved - np.eye(3, 4)).reshape(len(poses), -1, 12).astype(np.float32)
         positions = np.empty((len(poses), *self.rest.shape))
         for pose, motions in enumerate(moved):
@@ -114,7 +114,7 @@ class JointFace:
             for k in range(INFLUENCES):
                 blend += self.weights[:, k, None] * motions[self.joints[:, k]]
             blend = blend.reshape(-1, 3, 4)
-            positions[pose] = self.rest + (blend[..., :3] @ self.rest[..., None])[..., 0] + blend[..., 3]
+            positions[pose] = self.rest + (blend[..., :3] * self.rest[:, None]).sum(-1) + blend[..., 3]
         return positions, frames
 
     def rig(self):
@@ -145,7 +145,7 @@ def main():
     print(f"{len(source.heads)} joints, {len(source.rest)} vertices, {source.controls} controls, "
           f"{len(source.shapes) - source.controls} correctives")  # fmt: skip
     started = time.time()
-    result = facebaker.bake(source.rig(), out, recipe="compact", poses=poses, progress=None)
+    result = facebaker.bake(source.rig(), out, recipe="compact", poses=poses, progress=True)
     print(f"baked in {time.time() - started:.0f} s from {result.document['rig_calls']} evaluations: "
           f"{result.document['bytes']} bytes")  # fmt: skip
     face = facebaker.load(out)
