@@ -59,10 +59,9 @@ Json control_list(const RigSchema& schema) {
   return controls;
 }
 
-Json skin_of(const PackedModel& model) {
-  const Skin& skin = model.character.skin;
+Json skin_of(const Skin& skin, const Mesh& rest) {
   std::size_t skinned = 0;
-  for (std::size_t v = 0; v < model.rest.surface_vertex_count(); ++v) skinned += skin.count(v) > 0;
+  for (std::size_t v = 0; v < rest.surface_vertex_count(); ++v) skinned += skin.count(v) > 0;
   return {{"influences", skin.influences}, {"vertices", skinned}};
 }
 
@@ -106,7 +105,10 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
   bake::write_character(model.rest.parts, model.character, size_of, document);
   bake::write_channels(model.schema.channels, document);
   for (const ExactPose& pose : model.exact) document["exact_poses"].push_back({{"name", pose.name}});
-  if (model.character.skin.influences > 0) document["skin"] = skin_of(model);
+  if (const Skin& skin = model.character.skin; skin.influences > 0) document["skin"] = skin_of(skin, model.rest);
+  bake::write_driven_joints(model.rest.driven.joints, document);
+  if (const Skin& skin = model.rest.driven.skin; skin.influences > 0)
+    document["driven_skin"] = skin_of(skin, model.rest);
   for (std::size_t k = 1; k <= model.levels.size(); ++k) {
     const DetailLevel& level = model.levels[k - 1];
     document["levels"].push_back({{"level", k},

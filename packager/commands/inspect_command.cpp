@@ -86,12 +86,17 @@ std::string textures_text(const Json& material) {
   return text;
 }
 
-// How many vertices follow joints; "" without a skin.
-std::string skin_text(const Json& document) {
-  if (!document.contains("skin")) return "";
-  return format("skin: %s vertices follow joints, at most %s each\n",
-                count_text(document["skin"].at("vertices")).c_str(),
-                count_text(document["skin"].at("influences")).c_str());
+// How many vertices follow joints; "" without such a skin.
+std::string skin_text(const Json& document, const char* key, const char* joints) {
+  if (!document.contains(key)) return "";
+  return format("skin: %s vertices follow %s, at most %s each\n", count_text(document[key].at("vertices")).c_str(),
+                joints, count_text(document[key].at("influences")).c_str());
+}
+
+std::string numbers_text(const Json& joint) {
+  std::string text;
+  for (const Json& number : joint.at("numbers")) text += (text.empty() ? "" : ", ") + number.get<std::string>();
+  return text;
 }
 
 // Tables of what a character has: those that are not empty.
@@ -102,6 +107,7 @@ std::string character_tables(const Json& document) {
   Table sockets({"socket", "vertices"});
   Table exact({"exact pose"});
   Table joints({"joint", "parent"});
+  Table driven({"driven joint", "parent", "numbers"});
   Table levels({"level of detail", "vertices", "polygons", "coefficients"});
   const auto each = [&](const char* key, Table& table, const auto& row) {
     if (!document.contains(key)) return std::string();
@@ -131,8 +137,12 @@ std::string character_tables(const Json& document) {
     if (!json.contains("parent")) return Row{json.at("name"), ""};
     return Row{json.at("name"), document["joints"][json["parent"].get<std::size_t>()].at("name")};
   };
+  const auto driven_joint = [](const Json& json, const std::string&) {
+    return Row{json.at("name"), json.value("parent", ""), numbers_text(json)};
+  };
   return each("meshes", meshes, mesh) + each("materials", materials, material) + each("images", images, image) +
-         each("sockets", sockets, socket) + each("joints", joints, joint) + skin_text(document) +
+         each("sockets", sockets, socket) + each("joints", joints, joint) + skin_text(document, "skin", "joints") +
+         each("driven_joints", driven, driven_joint) + skin_text(document, "driven_skin", "driven joints") +
          each("exact_poses", exact, exact_pose) + each("levels", levels, level);
 }
 

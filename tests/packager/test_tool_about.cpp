@@ -168,6 +168,22 @@ TEST_CASE("what cannot be said or shown is refused") {
   refused({"pack", archive, "--out", out, "--about", folder / "none.json"}, {"none.json"});
 }
 
+TEST_CASE("inspect lists the joints that controls drive") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  fb::write_file(archive, fb::archive::write_archive(fb::driven_model(), {}));
+  const Json json = inspect(archive);
+  const Json& tongue = json.at("driven_joints").at(1);
+  CHECK(tongue.at("name") == "tongue");
+  CHECK(tongue.at("parent") == "jaw");
+  CHECK(tongue.at("numbers") == Json({"rotate_x", "rotate_y", "move_z"}));
+  CHECK(json.at("driven_skin").at("influences") == 3);
+  const std::string text = run_tool({"inspect", archive}).out;
+  CHECK_MESSAGE(text.find("| tongue       |    jaw | ") != std::string::npos, text);
+  CHECK_MESSAGE(text.find(" rotate_x, rotate_y, move_z |") != std::string::npos, text);
+  CHECK_MESSAGE(text.find("vertices follow driven joints, at most 3 each") != std::string::npos, text);
+}
+
 TEST_CASE("an archive may say anything about its character, and inspect survives") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
