@@ -34,18 +34,6 @@ void check_holders(std::span<const Joint> joints, std::span<const std::uint8_t> 
            joints[j].name.c_str());
 }
 
-// Of the vertices that follow joints whose place is not no_joint, that place.
-Skin mapped_skin(const Skin& skin, std::span<const std::uint32_t> places) {
-  Skin mapped = skin;
-  for (std::size_t i = 0; i < skin.joints.size(); ++i) {
-    const std::uint32_t place = places[skin.joints[i]];
-    mapped.joints[i] = place == no_joint ? 0 : static_cast<std::uint16_t>(place);
-    if (place == no_joint) mapped.weights[i] = 0;
-  }
-  tidy(mapped);
-  return mapped;
-}
-
 // Where driven joints are before what they hang on moves them.
 std::vector<Frame<double>> held_frames(const RigJoints& joints, const Character& character,
                                        std::span<const Frame<double>> host, std::span<const Frame<double>> all) {
@@ -76,6 +64,17 @@ void remove_host_skin(const Character& character, std::span<const Frame<double>>
 }
 
 }  // namespace
+
+Skin mapped_skin(const Skin& skin, std::span<const std::uint32_t> places) {
+  Skin mapped = skin;
+  for (std::size_t i = 0; i < skin.joints.size(); ++i) {
+    const std::uint32_t place = places[skin.joints[i]];
+    mapped.joints[i] = place == no_joint ? 0 : static_cast<std::uint16_t>(place);
+    if (place == no_joint) mapped.weights[i] = 0;
+  }
+  tidy(mapped);
+  return mapped;
+}
 
 RigJoints part_joints(std::span<const std::uint32_t> numbers, Character& character, Mesh& rest) {
   const std::vector<Joint> all = std::move(character.joints);

@@ -23,6 +23,9 @@ struct RigJoints {
   std::size_t count() const { return host.size() + driven.size(); }
 };
 
+// A skin in which vertices follow places[joint] in place of a joint, and nothing where that is no_joint.
+Skin mapped_skin(const Skin& skin, std::span<const std::uint32_t> places);
+
 // Parts the joints and the skin of a character in those that stay, and those that go into the mesh as driven joints.
 // `numbers`: of each joint, see DrivenJoint::numbers; those without any are the host's, unless they are below a driven
 // one. Vertices that followed a driven joint follow the one that it hangs on. Takes what joints do at rest out of the

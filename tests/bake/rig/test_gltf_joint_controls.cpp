@@ -2,7 +2,9 @@
 // animations and in others.
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
+#include "bake/rig/driven_pose.h"
 #include "bake/rig/gltf/gltf_rig.h"
 #include "bake_test_support.h"
 #include "gltf_avatar.h"
@@ -55,6 +57,7 @@ double distance_from_shown(Source& rig, const std::vector<float>& controls, cons
                            const GltfPose& pose) {
   std::vector<float> points(rig.rest().points.size());
   rig.evaluate(controls, 1, points);
+  points.resize(3 * rig.rest().surface_vertex_count());
   return largest_distance({points.begin(), points.end()}, shown_points(avatar, pose));
 }
 
@@ -123,6 +126,34 @@ TEST_CASE("joints that animations move are controls behind the morph targets") {
   CHECK(distance_from_shown(*rig,
                             with_values(*rig, {{"jawOpen", 0.5}, {"tongueOut", 1}, {"Neck.rz", 100}, {"Head.rz", 45}}),
                             avatar, pose) < 5e-6);
+}
+
+TEST_CASE("joints that are controls are driven joints of the face") {
+  const auto rig = open(GltfAvatar(), controls_of_joints);
+  const Mesh& rest = rig->rest();
+  REQUIRE(rest.driven.joints.size() >= 2);
+  CHECK(rest.driven.joints[0].name == "Neck");
+  CHECK(rest.driven.joints[0].parent == no_joint);
+  CHECK(rest.driven.joints[0].numbers == 4);  // about z
+  CHECK(rest.driven.joints[1].name == "Head");
+  CHECK(rest.driven.joints[1].parent == 0);
+  const std::vector<float> pose = with_values(*rig, {{"jawOpen", 0.5}, {"Neck.rz", 100}, {"Head.rz", 15}});
+  std::vector<float> points(rest.points.size()), of_weight(points.size());
+  rig->evaluate(pose, 1, points);
+  const std::size_t first = rest.first_joint_coordinate();
+  CHECK(rest.driven.scales[0] * points[first] == doctest::Approx(100 * std::numbers::pi / 180));
+  CHECK(rest.driven.scales[1] * points[first + 1] == doctest::Approx(15 * std::numbers::pi / 180));
+  // What they leave of vertices that follow one of them is what the morph target does alone.
+  rig->evaluate(with_values(*rig, {{"jawOpen", 0.5}}), 1, of_weight);
+  points_to_displacements(rest, points);
+  points_to_displacements(rest, of_weight);
+  std::size_t alone = 0;
+  for (std::size_t v = 0; v < rest.surface_vertex_count(); ++v) {
+    if (rest.driven.skin.weights[v * rest.driven.skin.influences] != 1) continue;
+    ++alone;
+    for (std::size_t i = 3 * v; i < 3 * v + 3; ++i) CHECK(std::abs(points[i] - of_weight[i]) < 5e-6f);
+  }
+  CHECK(alone > 10);
 }
 
 TEST_CASE("frames of clips with joints are what the file shows at their times") {

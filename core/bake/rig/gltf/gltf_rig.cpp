@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "bake/rig/carried_numbers.h"
+#include "bake/rig/driven_pose.h"
 #include "bake/rig/gltf/gltf_clips.h"
 #include "bake/rig/gltf/gltf_controls.h"
 #include "bake/rig/gltf/gltf_expressions.h"
@@ -29,12 +31,22 @@
 namespace fb::bake {
 namespace {
 
+std::vector<Frame<double>> frames_of(std::span<const Eigen::Affine3d> places) {
+  std::vector<Frame<double>> frames;
+  for (const Eigen::Affine3d& place : places) {
+    const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> rows = place.affine();
+    std::copy_n(rows.data(), 12, frames.emplace_back().begin());
+  }
+  return frames;
+}
+
 // What a glTF file holds.
 struct GltfRig {
   RigDescription description;
   std::vector<float> base;             // points with all weights zero, before skinning
   std::vector<MorphTarget> targets;    // of each control that is no joint
   std::optional<SkinnedMorph> joints;  // where joints are controls, which follow the others
+  std::vector<std::uint32_t> driven;   // of these, the driven ones
 
   // Of what decides the points of a pose, so that another image or clip makes no other rig of it.
   std::uint64_t hash() const {
@@ -55,7 +67,22 @@ struct GltfRig {
         for (std::size_t axis = 0; axis < 3; ++axis)
           points[std::size_t{3} * target.vertices[i] + axis] += weights[t] * target.offsets[3 * i + axis];
     }
-    if (joints) joints->apply(pose.subspan(targets.size()), points);
+    if (!joints) return;
+    const std::vector<Eigen::Affine3d> places = joints->places(pose.subspan(targets.size()));
+    joints->apply(places, points.first(base.size()));
+    if (!description.rest.driven.empty()) add_numbers(places, points);
+  }
+
+  // The numbers of driven joints behind the positions, which are the first of the points.
+  void add_numbers(std::span<const Eigen::Affine3d> places, std::span<float> points) const {
+    const Mesh& rest = description.rest;
+    const std::vector<Frame<double>> all = frames_of(places);
+    std::vector<Frame<double>> frames;
+    for (const std::uint32_t j : driven) frames.push_back(all[j]);
+    const std::span<float> surface = points.first(3 * rest.surface_vertex_count());
+    std::vector<float> numbers(rest.driven.scales.size()), positions(surface.begin(), surface.end());
+    take_out_joints(description.joints, description.character, rest, frames, positions, numbers);
+    join_carried(description.schema, rest, positions, numbers, 1, points);
   }
 };
 
@@ -77,9 +104,12 @@ class GltfSource final : public Source {
 
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override {
     check_call(*this, controls, count, points);
-    for (std::size_t p = 0; p < count; ++p)
-      rig_.evaluate(controls.subspan(p * schema().control_count(), schema().control_count()),
-                    points.subspan(p * rest().points.size(), rest().points.size()));
+    const std::size_t width = schema().control_count(), size = rest().points.size();
+    for (std::size_t p = 0; p < count; ++p) try {
+        rig_.evaluate(controls.subspan(p * width, width), points.subspan(p * size, size));
+      } catch (const Error& error) {
+        throw PoseError(error.status(), p, format("rig \"%s\": %s", schema().name.c_str(), error.what()));
+      }
     if (const auto fault = find_point_fault(points, rest(), diagonal_))
       throw PoseError(fault->status, fault->pose, format("rig \"%s\": %s", schema().name.c_str(), fault->what.c_str()));
   }
@@ -144,8 +174,13 @@ class GltfRigReader {
     rig_.base = to.rest.points;
     if (!rig_.base.empty()) rig_.evaluate(to.schema.rest_pose(), to.rest.points);
     to.version = format("%016llx", static_cast<unsigned long long>(rig_.hash()));
+    if (rig_.joints)
+      to.notes.push_back(format("%zu joints are controls (%zu), and %s", rig_.joints->controls().nodes().size(),
+                                joint_control_count(),
+                                drive_joints(joints) ? "move joints of the face" : "positions are after skinning"));
     check_source(to.schema, to.rest, to.character);
     check_clips(to.clips);
+    if (!to.rest.driven.empty()) add_joint_vertices(to.rest);
     return std::move(rig_);
   }
 
@@ -157,6 +192,38 @@ class GltfRigReader {
     std::set<std::string> names;
     for (const auto& [mesh, reason] : broken) names.insert(mesh);
     return names;
+  }
+
+  // Joints that are controls, and those below them, become driven ones, unless those cannot say what the controls do:
+  // positions are then learned after skinning. Returns whether they did.
+  bool drive_joints(const GltfJoints& joints) {
+    if (rig_.joints->controls().flatten()) return false;
+    RigDescription& to = rig_.description;
+    const std::vector<std::uint32_t> numbers = rig_.joints->numbers();
+    const std::vector<Frame<double>> frames = frames_of(rig_.joints->places(std::vector<float>(joint_control_count())));
+    std::vector<std::uint32_t> of_driven, places(numbers.size(), no_joint);
+    Character driven;
+    for (std::uint32_t j = 0; j < numbers.size(); ++j) {
+      const std::uint32_t above = joints.joints()[j].parent, parent = above == no_joint ? no_joint : places[above];
+      if (numbers[j] == 0 && parent == no_joint) continue;
+      places[j] = static_cast<std::uint32_t>(of_driven.size());
+      const auto back = parent == no_joint ? still_frame : inverse(frames[above]);
+      if (!back) return false;
+      of_driven.push_back(numbers[j]);
+      rig_.driven.push_back(j);
+      driven.joints.push_back({joints.joints()[j].name, parent, to_float(product(*back, frames[j])), {}});
+    }
+    set_default_inverse_bind(driven.joints);
+    driven.skin = mapped_skin(joints.skin(), places);
+    Mesh rest = to.rest;
+    try {
+      to.joints = part_joints(of_driven, driven, rest);
+    } catch (const Error& error) {
+      to.notes.push_back(format("joints are learned as what they do to vertices: %s", error.what()));
+      return false;
+    }
+    to.rest = std::move(rest);
+    return !to.rest.driven.empty();
   }
 
   // Of joints that are no controls: names those that would be.
@@ -279,8 +346,6 @@ class GltfRigReader {
     }
     if (joint_control_count() == 0)
       fail(Status::bad_data, "no animation moves a joint that moves vertices: name the joints that are to be controls");
-    rig_.description.notes.push_back(format("%zu joints are controls (%zu), and positions are after skinning",
-                                            rig_.joints->controls().nodes().size(), joint_control_count()));
     if (const std::size_t noise = rig_.joints->controls().noise_count())
       rig_.description.notes.push_back(
           format("%zu channels of joints move by no more than the rounding of the file, and are no controls", noise));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bake/rig/gltf/joint_noise.h"
+#include "model/driven_joints.h"
 
 namespace fb::bake {
 namespace {
@@ -138,6 +139,30 @@ void JointControls::keep_columns(std::vector<Clip>& clips, std::size_t before) c
     }
     clip.controls = std::move(kept);
   }
+}
+
+std::uint32_t JointControls::numbers(std::size_t node) const {
+  std::uint32_t numbers = 0;
+  for (std::size_t c = 0; c < controls_.size(); ++c) {
+    if (offset_of_[c] / offsets != node) continue;
+    const std::size_t offset = offset_of_[c] % offsets, axis = offset % 3;
+    if (offset < 3) {  // along the axes of the parent
+      numbers |= joint_translation;
+    } else {
+      numbers |= offset < 6 ? 1u << axis : 1u << offset;
+    }
+  }
+  return numbers;
+}
+
+bool JointControls::flatten() const {
+  for (std::size_t c = 0; c < controls_.size(); ++c) {
+    const std::size_t offset = offset_of_[c] % offsets;
+    if (offset < 6) continue;
+    const double rest = nodes_[offset_of_[c] / offsets].rest.scale[Eigen::Index(offset % 3)];
+    if (!(rest * (rest + controls_[c].minimum) > 0 && rest * (rest + controls_[c].maximum) > 0)) return true;
+  }
+  return false;
 }
 
 std::vector<Eigen::Affine3d> JointControls::locals(std::span<const float> values) const {

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,6 +55,10 @@ class JointControls {
   const std::vector<MovedNode>& nodes() const { return nodes_; }
   // Offsets that clips move by no more than rounding, and which are no controls.
   std::size_t noise_count() const { return noise_count_; }
+  // How the controls of one of nodes() move it, see DrivenJoint::numbers: along the axes that it has at rest.
+  std::uint32_t numbers(std::size_t node) const;
+  // Whether a control may make a node flat, or mirror it.
+  bool flatten() const;
   // Where each of nodes() is in its parent. `values`: one of each control.
   std::vector<Eigen::Affine3d> locals(std::span<const float> values) const;
 

@@ -19,15 +19,26 @@ SkinnedMorph::SkinnedMorph(const GltfJoints& joints, JointControls controls)
   }
 }
 
-void SkinnedMorph::apply(std::span<const float> values, std::span<float> positions) const {
-  if (skin_.influences == 0) return;
+std::vector<std::uint32_t> SkinnedMorph::numbers() const {
+  std::vector<std::uint32_t> numbers;
+  for (const std::size_t moved : moved_) numbers.push_back(moved == still ? 0 : controls_.numbers(moved));
+  return numbers;
+}
+
+std::vector<Eigen::Affine3d> SkinnedMorph::places(std::span<const float> values) const {
   const std::vector<Eigen::Affine3d> moved = controls_.locals(values);
-  std::vector<Eigen::Affine3d> places, matrices;
+  std::vector<Eigen::Affine3d> places;
   for (std::size_t j = 0; j < parents_.size(); ++j) {
     const Eigen::Affine3d& local = moved_[j] == still ? locals_[j] : moved[moved_[j]];
     places.push_back(parents_[j] == no_joint ? local : places[parents_[j]] * local);
-    matrices.push_back(places[j] * inverse_binds_[j]);
   }
+  return places;
+}
+
+void SkinnedMorph::apply(std::span<const Eigen::Affine3d> places, std::span<float> positions) const {
+  if (skin_.influences == 0) return;
+  std::vector<Eigen::Affine3d> matrices;
+  for (std::size_t j = 0; j < parents_.size(); ++j) matrices.push_back(places[j] * inverse_binds_[j]);
   for (std::size_t v = 0; v < positions.size() / 3; ++v) {
     const std::size_t first = v * skin_.influences;
     Eigen::Matrix<double, 3, 4> blend = Eigen::Matrix<double, 3, 4>::Zero();

@@ -19,8 +19,12 @@ class SkinnedMorph {
   SkinnedMorph(const GltfJoints& joints, JointControls controls);
 
   const JointControls& controls() const { return controls_; }
-  // Skins positions before skinning (3 x vertices) in place. `values`: one of each control of a joint.
-  void apply(std::span<const float> values, std::span<float> positions) const;
+  // How the controls move each joint, see JointControls::numbers.
+  std::vector<std::uint32_t> numbers() const;
+  // Where the joints are. `values`: one of each control of a joint.
+  std::vector<Eigen::Affine3d> places(std::span<const float> values) const;
+  // Skins positions before skinning (3 x vertices) in place.
+  void apply(std::span<const Eigen::Affine3d> places, std::span<float> positions) const;
   // Of all that decides where it puts positions.
   std::uint64_t hash(std::uint64_t seed) const;
 
