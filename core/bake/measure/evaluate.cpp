@@ -40,7 +40,9 @@ struct Sums {
 Sums measure(MeasuredFace& measured, const PoseSet& poses, bool shot, const QualityBasis* basis,
              const Parallel& parallel, Progress& progress, std::uint64_t& done) {
   const runtime::Evaluator& face = measured.evaluator();
-  const std::size_t width = 3 * face.point_count(), controls = face.control_count();
+  // Of the source, which may have driven joints where the face has none, or the other way round: their numbers are
+  // last.
+  const std::size_t width = poses.source().rest().points.size(), controls = face.control_count();
   const std::size_t surface = 3 * face.vertex_count();  // channels are behind
   const std::size_t warm_up = shot && basis ? warm_up_frames : 0;
   const Parallel workers = poses.readers(parallel);
@@ -147,7 +149,7 @@ void check_same_face(const PackedModel& model, const Source& source) {
          source.rest().surface_vertex_count());
   check_same_channels(model.schema, "the archive", source.schema(), "the source");
   const double tolerance = 1e-4 * source.rest().diagonal();
-  for (std::size_t i = 0; i < a.size(); ++i)
+  for (std::size_t i = 0; i < 3 * source.rest().surface_vertex_count(); ++i)
     if (std::abs(double(a[i]) - b[i]) > tolerance)
       fail(Status::bad_data,
            "the rest mesh of the archive is not that of the source: vertex %zu has another rest position", i / 3);
