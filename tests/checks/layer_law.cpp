@@ -60,7 +60,7 @@ const std::map<std::string, Layers>& law() {
     may["bake/dataset"] = with(may["bake/rig"], {"bake/rig", "bake/rig_process"});
     may["bake/analysis"] = with(nouns, {"bake/linalg", "bake/rig"});
     may["bake/sampling"] = with(with(nouns, data), {"bake/analysis"});
-    may["bake/check"] = with(with(nouns, data), {"bake/sampling"});
+    may["bake/check"] = with(with(nouns, data), {"figures", "bake/sampling"});
     may["bake/regions"] = with(nouns, {"bake/linalg", "bake/rig", "bake/analysis"});
     may["bake/train"] = with(nouns, {"bake/linalg", "figures"});
     may["bake/compress"] = with(written, {"bake/linalg"});
