@@ -40,9 +40,9 @@ double most_corrective_bytes(const FaceRecipe& recipe, const std::vector<FaceReg
 }
 
 // Has networks learn those numbers of driven joints alone of which blendshapes and correctives leave more than a share.
-// A network that moves a joint moves all that follows it, also where few controls act: on MakeHuman, of whose joints
-// all leave less than a tenth, networks made the worst vertex of expressions of few angles 40 times worse
-// (bench_sparse_poses) and that of random poses by no more than a third better.
+// A network that moves a joint moves all that follows it, also where few controls act: on MakeHuman, whose joints leave
+// at most a tenth where they leave much, networks made the worst vertex of expressions of few angles 40 times worse
+// (bench_sparse_poses) and the mse of random poses by no more than a third better.
 void leave_joints_to_correctives(RigAnalysis& analysis, const Mesh& rest, std::size_t controls) {
   constexpr double most_left = 0.25;
   const std::size_t vertices = rest.vertex_count();
