@@ -13,7 +13,7 @@ FaceRecipe hero_recipe() {
   FaceRecipe recipe;
   recipe.basis.max_error = 8e-4;
   recipe.corrective_bytes = 1'000'000;
-  recipe.analysis.joint_factor = 20;
+  recipe.analysis.joint_factor = 10;
   recipe.parameters = 1'400'000;
   recipe.training_flops = 4.5e13;
   recipe.compression_error_share = 0.02;
