@@ -13,7 +13,7 @@
 #include "bake/baselines/pose_correctives.h"
 #include "bake/baselines/ramp_blendshapes.h"
 #include "bake/baselines/skinning/bone_fitter.h"
-#include "base/checked.h"
+#include "base/status.h"
 
 namespace fb::bake {
 namespace {
@@ -31,16 +31,9 @@ Region skeleton_region(const Skeleton& skeleton, const Mesh& rest, const std::ve
     fitter.fit(std::span(shapes).subspan(r * rows, rows), std::span(transforms).subspan(r * parameters, parameters),
                false, shape_sweeps);
   });
-  DenseLayer layer;
-  layer.inputs = checked_u32(ramps, "ramps");
-  layer.outputs = checked_u32(parameters, "transforms");
-  for (std::size_t n = 0; n < parameters; ++n)
-    for (std::size_t r = 0; r < ramps; ++r) layer.weights.push_back(transforms[r * parameters + n]);
-  layer.bias.assign(parameters, 0.0f);
-  Region region{"skeleton", {}, {std::move(layer)}};
-  region.features.resize(ramps);
-  std::iota(region.features.begin(), region.features.end(), 0u);
-  return region;
+  std::vector<std::uint32_t> features(ramps);
+  std::iota(features.begin(), features.end(), 0u);
+  return transform_region(skeleton, std::move(features), transforms);
 }
 
 }  // namespace

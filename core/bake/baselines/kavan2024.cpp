@@ -14,7 +14,7 @@
 #include "bake/baselines/skinning/bone_weights.h"
 #include "bake/baselines/skinning/linear_transforms.h"
 #include "bake/face/network_inputs.h"
-#include "base/checked.h"
+#include "base/status.h"
 
 namespace fb::bake {
 namespace {
@@ -51,20 +51,6 @@ void fit_weights(Skeleton& skeleton, const Mesh& rest, std::span<const float> sh
   solve_weights(skeleton, motion, SurfaceGraph(rest, {}), 0, parallel);
 }
 
-// One linear layer without bias from the shapes' features to the transforms of all bones.
-Region joint_region(const std::vector<SparseShape>& shapes, const std::vector<float>& transforms,
-                    std::size_t parameters) {
-  DenseLayer layer;
-  layer.inputs = checked_u32(shapes.size(), "shapes");
-  layer.outputs = checked_u32(parameters, "transforms");
-  for (std::size_t n = 0; n < parameters; ++n)
-    for (std::size_t s = 0; s < shapes.size(); ++s) layer.weights.push_back(transforms[s * parameters + n]);
-  layer.bias.assign(parameters, 0.0f);
-  Region region{"skeleton", {}, {std::move(layer)}};
-  for (const SparseShape& shape : shapes) region.features.push_back(shape.feature);
-  return region;
-}
-
 }  // namespace
 
 RecipeResult make_kavan2024(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
@@ -92,7 +78,9 @@ RecipeResult make_kavan2024(const PoseSet& poses, RigEvaluator* rig, const BakeO
     progress.step(round + 1);
   }
   model.network.features = analysis.base.features;
-  model.network.regions = {joint_region(found, transforms, skeleton.parameter_count())};
+  std::vector<std::uint32_t> features;
+  for (const SparseShape& shape : found) features.push_back(shape.feature);
+  model.network.regions = {transform_region(skeleton, std::move(features), transforms)};
   keep_live_features(model.network);
   model.basis = basis_by_bone(skeleton, skinning_shapes(skeleton, model.rest));
   result.packing.output_bits = 16;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "bake/regions/surface_graph.h"
 #include "base/checked.h"
@@ -57,6 +58,18 @@ void add_skinned(const Skeleton& skeleton, const Mesh& rest, std::span<const flo
                                                  row[2] * (point[2] - centre[2]) + row[3]);
       }
     }
+}
+
+Region transform_region(const Skeleton& skeleton, std::vector<std::uint32_t> features,
+                        const std::vector<float>& transforms) {
+  const std::size_t parameters = skeleton.parameter_count();
+  DenseLayer layer;
+  layer.inputs = checked_u32(features.size(), "features");
+  layer.outputs = checked_u32(parameters, "transforms");
+  for (std::size_t n = 0; n < parameters; ++n)
+    for (std::size_t f = 0; f < features.size(); ++f) layer.weights.push_back(transforms[f * parameters + n]);
+  layer.bias.assign(parameters, 0.0f);
+  return {"skeleton", std::move(features), {std::move(layer)}};
 }
 
 Basis basis_by_bone(const Skeleton& skeleton, const std::vector<float>& columns) {

@@ -12,6 +12,7 @@
 #include "base/progress.h"
 #include "model/basis.h"
 #include "model/mesh.h"
+#include "model/network.h"
 
 namespace fb::bake {
 
@@ -61,6 +62,11 @@ std::vector<float> skinning_shapes(const Skeleton& skeleton, const Mesh& rest);
 // Adds `sign` times the displacement by transforms (parameter_count() floats) to a pose (3 x vertices).
 void add_skinned(const Skeleton& skeleton, const Mesh& rest, std::span<const float> transforms, float sign,
                  std::span<float> displacements);
+
+// One linear layer without bias from features to the transforms of all bones. transforms: features x
+// parameter_count().
+Region transform_region(const Skeleton& skeleton, std::vector<std::uint32_t> features,
+                        const std::vector<float>& transforms);
 
 // A basis of dense columns (columns x 3 x vertices), with vertices sorted by their strongest bone so that few columns
 // are non-zero in a row block.
