@@ -113,6 +113,7 @@ fb_source_info info_of(const fb::bake::Source& source, const std::string& identi
   info.uv_corners = info.uv_count > 0 ? rest.uv_corners.data() : nullptr;
   info.identity = identity.c_str();
   info.channel_count = static_cast<std::uint32_t>(schema.channels.size());
+  info.number_count = static_cast<std::uint32_t>(fb::bake::carried_count(schema, rest));
   info.preferred_block = static_cast<std::uint32_t>(source.preferred_block());
   return info;
 }

@@ -33,23 +33,23 @@ class SpreadOwner {
 // The buffers of a block as spans.
 struct Buffers {
   std::span<const float> controls;
-  std::span<float> positions, channels;
+  std::span<float> positions, numbers;
 };
 
 Buffers buffers_of(const fb::bake::Source& source, const fb_pose_block& block) {
-  const std::size_t channels = source.schema().channels.size();
+  const std::size_t numbers = fb::bake::carried_count(source.schema(), source.rest());
   if (block.poses > 0) {
     require(block.controls, "fb_pose_block: controls");
     require(block.positions, "fb_pose_block: positions");
     require(block.answered, "fb_pose_block: answered");
-    if (channels > 0) require(block.channels, "fb_pose_block: channels");
+    if (numbers > 0) require(block.channels, "fb_pose_block: channels");
   }
   const auto floats = [&](std::size_t of_pose, const char* what) {
     return fb::checked_multiply(block.poses, of_pose, what);
   };
   return {{block.controls, floats(source.schema().control_count(), "poses x controls")},
           {block.positions, floats(source.rest().surface_points().size(), "poses x 3 x vertices")},
-          {block.channels, floats(channels, "poses x channels")}};
+          {block.channels, floats(numbers, "poses x numbers")}};
 }
 
 // Evaluates poses and counts them; `answered`: of points.
@@ -93,21 +93,18 @@ fb_status fb_source_evaluate_block(fb_source* source, fb_pose_block* block) {
     if (!from.live())
       fail(Status::invalid_argument, "\"%s\" is a recording: new poses cannot be evaluated",
            from.schema().name.c_str());
-    if (!from.rest().driven.empty())
-      fail(Status::unsupported, "\"%s\" has driven joints: its poses cannot be spread", from.schema().name.c_str());
     const Buffers buffers = buffers_of(from, *block);
     block->evaluated = 0;
     block->failed = block->poses;
     std::fill_n(block->answered, block->poses, std::uint8_t{0});
     if (block->poses == 0) return;
     const fb::RigSchema& schema = from.schema();
-    const bool apart = !schema.channels.empty();
+    const bool apart = !buffers.numbers.empty();
     std::vector<float> apart_points(apart ? block->poses * from.rest().points.size() : 0);
     const std::span<float> points = apart ? std::span(apart_points) : buffers.positions;
     std::vector<char> answered(block->poses);
     const auto hand_over = [&] {
-      if (apart)
-        fb::bake::split_carried(schema, from.rest(), points, block->poses, buffers.positions, buffers.channels);
+      if (apart) fb::bake::split_carried(schema, from.rest(), points, block->poses, buffers.positions, buffers.numbers);
       std::copy(answered.begin(), answered.end(), block->answered);
     };
     try {

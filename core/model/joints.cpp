@@ -34,7 +34,7 @@ void check_joints(std::span<const Joint> joints) {
 }
 
 // Gives whether the vertex follows any joint.
-bool check_influences(const Skin& skin, std::size_t vertex, std::size_t joints) {
+bool check_influences(const Skin& skin, std::size_t vertex, std::size_t joints, bool partly) {
   float sum = 0;
   bool ended = false;
   for (std::size_t i = vertex * skin.influences; i < (vertex + 1) * skin.influences; ++i) {
@@ -47,12 +47,13 @@ bool check_influences(const Skin& skin, std::size_t vertex, std::size_t joints) 
     ended = weight == 0;
     sum += weight;
   }
-  if (sum != 0 && !(std::fabs(sum - 1) <= sum_tolerance))
-    fail(Status::bad_data, "vertex %zu has weights of joints that sum to %g, not 1", vertex, double(sum));
+  if (sum != 0 && !(sum <= 1 + sum_tolerance && (partly || sum >= 1 - sum_tolerance)))
+    fail(Status::bad_data, "vertex %zu has weights of joints that sum to %g, %s", vertex, double(sum),
+         partly ? "more than 1" : "not 1");
   return sum != 0;
 }
 
-void check_skin(const Skin& skin, std::size_t joints, const Mesh& rest) {
+void check_skin(const Skin& skin, std::size_t joints, const Mesh& rest, bool partly) {
   if (skin.influences == 0) {
     if (!skin.joints.empty() || !skin.weights.empty()) fail(Status::bad_data, "a skin without influences");
     return;
@@ -67,8 +68,8 @@ void check_skin(const Skin& skin, std::size_t joints, const Mesh& rest) {
   bool follows = false;
   for (std::size_t v = 0; v < vertices; ++v) {
     if (v == end) first = v, end += rest.parts[++part].vertices;
-    const bool here = check_influences(skin, v, joints);
-    if (v > first && here != follows)
+    const bool here = check_influences(skin, v, joints, partly);
+    if (v > first && here != follows && !partly)
       fail(Status::bad_data, "vertex %zu follows %s, unlike the vertices before it in its mesh", v,
            here ? "a joint" : "no joint");
     follows = here;
@@ -179,9 +180,9 @@ void tidy(Skin& skin) {
   skin = std::move(tidied);
 }
 
-void check(std::span<const Joint> joints, const Skin& skin, const Mesh& rest) {
+void check(std::span<const Joint> joints, const Skin& skin, const Mesh& rest, bool partly) {
   check_joints(joints);
-  check_skin(skin, joints.size(), rest);
+  check_skin(skin, joints.size(), rest, partly);
 }
 
 }  // namespace fb

@@ -63,7 +63,8 @@ void tidy(Skin& skin);
 
 // Fails, naming joint or vertex, on a name that is empty or occurs twice, a parent that is not before its joint, what
 // is not finite, influences of joints that there are not, weights that do not sum to 1, and vertices without joints in
-// a mesh where others have some. `rest`: the mesh, which has been checked.
-void check(std::span<const Joint> joints, const Skin& skin, const Mesh& rest);
+// a mesh where others have some. `partly`: weights of a vertex may sum to less, down to 0; what is missing stays.
+// `rest`: the mesh, which has been checked.
+void check(std::span<const Joint> joints, const Skin& skin, const Mesh& rest, bool partly = false);
 
 }  // namespace fb

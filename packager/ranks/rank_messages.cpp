@@ -21,7 +21,7 @@ Json unpacked(std::span<const std::byte> bytes) {
                      reinterpret_cast<const char*>(bytes.data()) + bytes.size());
 }
 
-// Before the reason, the flags, the positions and the channels of an answer.
+// Before the reason, the flags, the positions and the numbers of an answer.
 struct AnswerHeader {
   std::uint64_t poses, evaluated, failed, reason_bytes;
   std::int32_t status;
@@ -72,7 +72,7 @@ OpenAnswer open_answer_from(std::span<const std::byte> bytes) {
 }
 
 PoseSizes sizes_of(const fb_source_info& info) {
-  return {info.control_count, std::size_t{3} * info.vertex_count, info.channel_count};
+  return {info.control_count, std::size_t{3} * info.vertex_count, info.number_count};
 }
 
 Bytes evaluate_request(std::uint64_t number, const fb_pose_block& block, const PoseSizes& sizes, std::size_t first,
@@ -100,13 +100,13 @@ BlockAnswer::BlockAnswer(std::span<const std::byte> request, const PoseSizes& si
   take(request, controls_.data(), request.size());
   const std::size_t poses = controls_.size() / sizes.controls;
   positions_.resize(poses * sizes.positions);
-  channels_.resize(poses * sizes.channels);
+  numbers_.resize(poses * sizes.numbers);
   answered_.resize(poses);
   fb_pose_block_init(&block_);
   block_.poses = poses;
   block_.controls = controls_.data();
   block_.positions = positions_.data();
-  block_.channels = channels_.empty() ? nullptr : channels_.data();
+  block_.channels = numbers_.empty() ? nullptr : numbers_.data();
   block_.answered = answered_.data();
 }
 
@@ -114,12 +114,12 @@ Bytes BlockAnswer::bytes(fb_status status, const std::string& reason) const {
   const AnswerHeader header = {block_.poses, block_.evaluated, block_.failed, reason.size(), status, 0};
   Bytes bytes;
   bytes.reserve(sizeof header + reason.size() + answered_.size() +
-                sizeof(float) * (positions_.size() + channels_.size()));
+                sizeof(float) * (positions_.size() + numbers_.size()));
   append<AnswerHeader>(bytes, std::span(&header, 1));
   append<char>(bytes, reason);
   append<std::uint8_t>(bytes, answered_);
   append<float>(bytes, positions_);
-  append<float>(bytes, channels_);
+  append<float>(bytes, numbers_);
   return bytes;
 }
 
@@ -134,7 +134,7 @@ BlockOutcome take_answer(std::span<const std::byte> answer, const PoseSizes& siz
   take(answer, outcome.reason.data(), header.reason_bytes);
   take(answer, block.answered + first, count);
   take(answer, block.positions + first * sizes.positions, count * sizes.positions * sizeof(float));
-  if (sizes.channels > 0) take(answer, block.channels + first * sizes.channels, count * sizes.channels * sizeof(float));
+  if (sizes.numbers > 0) take(answer, block.channels + first * sizes.numbers, count * sizes.numbers * sizeof(float));
   return outcome;
 }
 

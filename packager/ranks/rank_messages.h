@@ -35,7 +35,7 @@ OpenAnswer open_answer_from(std::span<const std::byte> bytes);
 
 // Floats of a pose.
 struct PoseSizes {
-  std::size_t controls = 0, positions = 0, channels = 0;
+  std::size_t controls = 0, positions = 0, numbers = 0;
 };
 PoseSizes sizes_of(const fb_source_info& info);
 
@@ -58,7 +58,7 @@ class BlockAnswer {
 
  private:
   const PoseSizes sizes_;
-  std::vector<float> controls_, positions_, channels_;
+  std::vector<float> controls_, positions_, numbers_;
   std::vector<std::uint8_t> answered_;
   fb_pose_block block_;
 };

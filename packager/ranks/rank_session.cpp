@@ -90,7 +90,7 @@ void RankSession::Block::evaluate_here() try {
     part.poses = piece->count;
     part.controls += piece->first * sizes.controls;
     part.positions += piece->first * sizes.positions;
-    if (part.channels) part.channels += piece->first * sizes.channels;
+    if (part.channels) part.channels += piece->first * sizes.numbers;
     part.answered += piece->first;
     const fb_status status = fb_source_evaluate_block(session_.source_, &part);
     const std::string reason = status == FB_OK ? "" : fb_last_error();

@@ -94,26 +94,27 @@ struct Poses {
         controls.push_back(random.uniform(control.minimum, control.maximum));
       }
     positions.resize(count * 3 * view.info().vertex_count);
+    numbers.resize(count * view.info().number_count);
     answered.resize(count);
     fb_pose_block_init(&block);
     block.poses = count;
     block.controls = controls.data();
     block.positions = positions.data();
+    block.channels = numbers.data();
     block.answered = answered.data();
   }
 
-  std::vector<float> controls, positions;
+  std::vector<float> controls, positions, numbers;
   std::vector<std::uint8_t> answered;
   fb_pose_block block;
 };
 
-}  // namespace
-
-TEST_CASE("any number of ranks gives the positions of one") {
-  const char* const path = FB_TOY_RIG;
+// So many poses, by any number of ranks.
+void check_ranks(const char* const path, std::initializer_list<std::size_t> counts, std::uint32_t numbers) {
   const fb_source_desc desc = desc_of(path);
   const facebaker::Source source(desc);
-  for (const std::size_t count : {1, 2, 3, 500}) {
+  CHECK(facebaker::SourceView(source).info().number_count == numbers);
+  for (const std::size_t count : counts) {
     Poses alone(source, count);
     REQUIRE(fb_source_evaluate_block(source.get(), &alone.block) == FB_OK);
     CHECK(alone.block.evaluated == count);
@@ -125,11 +126,18 @@ TEST_CASE("any number of ranks gives the positions of one") {
       std::string reason;
       CHECK(session.evaluate(spread.block, reason) == FB_OK);
       CHECK(spread.positions == alone.positions);
+      CHECK(spread.numbers == alone.numbers);
       CHECK(spread.answered == std::vector<std::uint8_t>(count, 1));
       CHECK(spread.block.evaluated == count);
       CHECK(spread.block.failed == count);
     }
   }
+}
+
+}  // namespace
+
+TEST_CASE("any number of ranks gives the positions of one, and how driven joints have moved") {
+  check_ranks(FB_TOY_RIG, {1, 2, 3, 500}, 0);
 }
 
 TEST_CASE("a pose that fails on any rank is told by its number in the block, with the reason") {

@@ -175,8 +175,8 @@ class DrivenJoint(NamedTuple):
 
 class Skin(NamedTuple):
     """How vertices follow joints. joints: (vertices, influences), indices of joints. weights: of the same shape; those of
-    a vertex sum to 1, or are all 0 in a mesh that follows no joint. Positions of a character with a skin are those
-    before skinning."""
+    a vertex sum to 1, or are all 0 in a mesh that follows no joint; of a rig whose joints are all driven, to at most 1.
+    Positions of a character with a skin are those before skinning."""
 
     joints: Any
     weights: Any

@@ -260,7 +260,8 @@ class fb_source_info(Structure):
         ("polygon_count", c_uint32), ("polygon_corner_count", c_uint32), ("uv_count", c_uint32),
         ("rest_positions", POINTER(c_float)), ("polygon_sizes", POINTER(c_uint32)),
         ("polygon_corners", POINTER(c_uint32)), ("uvs", POINTER(c_float)), ("uv_corners", POINTER(c_uint32)),
-        ("identity", c_char_p), ("channel_count", c_uint32), ("preferred_block", c_uint32),
+        ("identity", c_char_p), ("channel_count", c_uint32), ("preferred_block", c_uint32), ("number_count", c_uint32),
+        ("reserved_number", c_uint32),
     ]
 class fb_clip(Structure):
     _fields_ = [

@@ -142,7 +142,8 @@ typedef struct fb_rig {
   uint32_t reserved_skin;      /**< 0 */
   const uint16_t* skin_joints; /**< vertex_count x skin_influences indices of joints */
   const float* skin_weights;   /**< of each, 0 or more; those of a vertex sum to 1, to a thousandth, or are all 0, which
-                                  then holds for every vertex of its mesh */
+                                  then holds for every vertex of its mesh. Where all joints are driven
+                                  (`joint_numbers`), they sum to at most 1: what is missing stays where it is */
   /** Evaluates like evaluate_all, and is called in its place, with FB_RIG_SKINNED; the others may then be null.
    * positions and rest_positions are after skinning, at rest with the joints as fb_joint::rest says. joints receives
    * poses x joint_count frames of FB_FRAME_FLOATS floats: where each joint is in the pose, in the space of the

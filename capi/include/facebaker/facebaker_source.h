@@ -140,6 +140,9 @@ typedef struct fb_source_info {
   uint32_t channel_count;   /**< numbers that come with each pose; may be 0 */
   uint32_t preferred_block; /**< poses that keep all that evaluates a live source at work, such as its child processes;
                                0: any number will do */
+  uint32_t number_count;    /**< what a pose of fb_pose_block has beside positions: its channels, and then how driven
+                               joints have moved */
+  uint32_t reserved_number; /**< 0 */
 } fb_source_info;
 
 FB_API void fb_source_info_fill(fb_source_info* to, uint32_t struct_size);
@@ -192,8 +195,9 @@ typedef struct fb_pose_block {
   uint32_t threads; /**< of fb_source_evaluate_block, if the source is thread-safe: at most 4,096; 0 (default): all */
   uint64_t poses;   /**< how many */
   const float* controls; /**< poses x control_count, within their ranges */
-  float* positions;      /**< receives poses x 3 x vertex_count floats: of a rig with joints, those before skinning */
-  float* channels;       /**< receives poses x channel_count floats; null where there are none */
+  float* positions;      /**< receives poses x 3 x vertex_count floats: of a rig with joints, those before a host's
+                            joints move them, and after driven ones have */
+  float* channels;    /**< receives poses x number_count floats, as fb_source_info has it; null where there are none */
   uint8_t* answered;  /**< receives 1 for every pose that has its positions when the call ends, and 0 for the others */
   uint64_t evaluated; /**< receives how often a pose was evaluated, failed ones and those tried again included */
   uint64_t failed;    /**< receives the first pose that cannot be evaluated, where the status says that there is one,

@@ -259,11 +259,12 @@ struct Reader {
     Character& character = description.character;
     if (!rig.evaluate_skinned) fail(Status::rig, "%s: evaluate_skinned is null", label.c_str());
     if (character.skin.influences == 0) fail(Status::rig, "%s: FB_RIG_SKINNED without a skin", label.c_str());
+    const std::vector<std::uint32_t> numbers = joint_numbers(rig);
     check_rules([&] {
       check(description.rest);
-      check(character.joints, character.skin, description.rest);
+      check(character.joints, character.skin, description.rest, all_driven(character.joints, numbers));
     });
-    check_rules([&] { description.joints = part_joints(joint_numbers(rig), character, description.rest); });
+    check_rules([&] { description.joints = part_joints(numbers, character, description.rest); });
     description.skinned = true;
   }
 

@@ -14,7 +14,7 @@ std::vector<std::uint8_t> driven_joints(std::span<const Joint> joints, std::span
   std::vector<std::uint8_t> driven;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const std::uint32_t parent = joints[j].parent;
-    driven.push_back(numbers[j] != 0 || (parent != no_joint && driven[parent]));
+    driven.push_back(numbers[j] != 0 || (parent < j && driven[parent]));
   }
   return driven;
 }
@@ -74,6 +74,10 @@ Skin mapped_skin(const Skin& skin, std::span<const std::uint32_t> places) {
   }
   tidy(mapped);
   return mapped;
+}
+
+bool all_driven(std::span<const Joint> joints, std::span<const std::uint32_t> numbers) {
+  return std::ranges::count(driven_joints(joints, numbers), 0) == 0;
 }
 
 RigJoints part_joints(std::span<const std::uint32_t> numbers, Character& character, Mesh& rest) {

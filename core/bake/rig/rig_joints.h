@@ -26,6 +26,10 @@ struct RigJoints {
 // A skin in which vertices follow places[joint] in place of a joint, and nothing where that is no_joint.
 Skin mapped_skin(const Skin& skin, std::span<const std::uint32_t> places);
 
+// Whether each joint has numbers, or is below one that has: then no host moves any. joints: they may come before their
+// parents or name some that there are not.
+bool all_driven(std::span<const Joint> joints, std::span<const std::uint32_t> numbers);
+
 // Parts the joints and the skin of a character in those that stay, and those that go into the mesh as driven joints.
 // `numbers`: of each joint, see DrivenJoint::numbers; those without any are the host's, unless they are below a driven
 // one. Vertices that followed a driven joint follow the one that it hangs on. Takes what joints do at rest out of the

@@ -36,7 +36,8 @@ class SpreadBackend final : public EvaluationBackend {
 
  private:
   // Of the answered poses, flags those that keep the rules for points; fails on the first that breaks them.
-  void take_points(const fb_pose_block& from, std::span<const float> channels, const EvaluationBlock& to) const;
+  // numbers: poses x carried_count().
+  void take_points(const fb_pose_block& from, std::span<const float> numbers, const EvaluationBlock& to) const;
 
   const Source& source_;
   const fb_spreader& spreader_;
@@ -46,17 +47,18 @@ class SpreadBackend final : public EvaluationBackend {
 void SpreadBackend::evaluate_block(const EvaluationBlock& block) {
   const RigSchema& schema = source_.schema();
   check_poses(block.controls, schema);
-  // With channels, positions lie closer together than points.
-  const bool apart = !schema.channels.empty();
+  // With numbers beside them, positions lie closer together than points.
+  const std::size_t width = carried_count(schema, source_.rest());
+  const bool apart = width > 0;
   std::vector<float> positions(apart ? block.count * source_.rest().surface_points().size() : 0);
-  std::vector<float> channels(block.count * schema.channels.size());
+  std::vector<float> numbers(block.count * width);
   std::vector<std::uint8_t> answered(block.count);
   fb_pose_block asked = {};
   asked.struct_size = sizeof asked;
   asked.poses = block.count;
   asked.controls = block.controls.data();
   asked.positions = apart ? positions.data() : block.points.data();
-  asked.channels = apart ? channels.data() : nullptr;
+  asked.channels = apart ? numbers.data() : nullptr;
   asked.answered = answered.data();
   asked.failed = block.count;
   if (progress_) asked.callbacks = {progress_, ask_to_stop, nullptr};
@@ -67,7 +69,7 @@ void SpreadBackend::evaluate_block(const EvaluationBlock& block) {
   message.back() = '\0';
   evaluated_ += asked.evaluated;
   if (status == FB_OK) std::ranges::fill(answered, 1);
-  take_points(asked, channels, block);
+  take_points(asked, numbers, block);
   if (status == FB_OK) return;
   const std::string reason = message[0] ? message.data() : format("status %d without a message", status);
   if (status == FB_ERROR_INTERRUPTED) throw Error(Status::interrupted, reason);
@@ -75,17 +77,17 @@ void SpreadBackend::evaluate_block(const EvaluationBlock& block) {
   throw Error(static_cast<Status>(status), reason);
 }
 
-void SpreadBackend::take_points(const fb_pose_block& from, std::span<const float> channels,
+void SpreadBackend::take_points(const fb_pose_block& from, std::span<const float> numbers,
                                 const EvaluationBlock& to) const {
   const RigSchema& schema = source_.schema();
   const std::size_t surface = source_.rest().surface_points().size(), size = source_.rest().points.size();
-  const std::size_t width = schema.channels.size();
+  const std::size_t width = carried_count(schema, source_.rest());
   const double diagonal = source_.rest().diagonal();
   for (std::size_t p = 0; p < to.count; ++p) {
     if (!from.answered[p]) continue;
     const std::span<float> points = to.points.subspan(p * size, size);
     if (width > 0)
-      join_carried(schema, source_.rest(), {from.positions + p * surface, surface}, channels.subspan(p * width, width),
+      join_carried(schema, source_.rest(), {from.positions + p * surface, surface}, numbers.subspan(p * width, width),
                    1, points);
     if (const auto fault = find_point_fault(points, source_.rest(), diagonal))
       throw PoseError(fault->status, p, format("rig \"%s\": %s", schema.name.c_str(), fault->what.c_str()));
@@ -99,9 +101,6 @@ SpreadSource::SpreadSource(Source& source, const fb_spreader& spreader, std::sha
     : SourceDecorator(source), owner_(std::move(owner)), spreader_(spreader) {
   if (!source.live())
     fail(Status::invalid_argument, "\"%s\" is a recording: there is nothing to spread", source.schema().name.c_str());
-  if (!source.rest().driven.empty())
-    fail(Status::unsupported, "\"%s\" has driven joints: its poses cannot be spread over ranks of a job",
-         source.schema().name.c_str());
 }
 
 void SpreadSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {

@@ -122,7 +122,7 @@ struct FaceRig {
       const std::vector<float> points = self.displaced(controls);
       for (std::size_t v = 0; v < points.size() / 3; ++v)
         for (std::size_t a = 0; a < 3; ++a) {
-          double sum = 0;
+          double sum = (1 - double(self.weights[2 * v]) - double(self.weights[2 * v + 1])) * double(points[3 * v + a]);
           for (std::size_t i = 2 * v; i < 2 * v + 2; ++i) {
             const Frame<double> m = product(here[self.of_vertices[i]], *inverse(still[self.of_vertices[i]]));
             const double* const row = &m[4 * a];
@@ -328,6 +328,18 @@ TEST_CASE("weights are rounded to sum to 1, and what does not is told") {
   CHECK_MESSAGE(contains(what, "vertex 0 has weights of driven joints that sum to 1.25, more than 1"), what);
 }
 
+TEST_CASE("where no joint is a host's, what weights leave stays where it is") {
+  FaceRig rig;
+  rig.numbers[0] = FB_JOINT_ROTATE;
+  for (float& weight : std::span(rig.weights).first(48)) weight /= 2;
+  for (float& weight : std::span(rig.weights).first(12)) weight = 0;
+  RigSource source(rig.rig);
+  CHECK(source.character().skin.influences == 0);
+  const Skin& skin = source.rest().driven.skin;
+  CHECK(skin.weights[0] == 0);
+  CHECK(skin.weights[std::size_t{12} * skin.influences] + skin.weights[std::size_t{12} * skin.influences + 1] == 0.5f);
+}
+
 TEST_CASE("what a rig says wrongly of its joints is refused") {
   const auto refused = [](const std::function<void(FaceRig&)>& change, const char* message) {
     FaceRig rig;
@@ -337,6 +349,9 @@ TEST_CASE("what a rig says wrongly of its joints is refused") {
   };
   refused([](FaceRig& r) { r.numbers[1] = 512; }, "joint_numbers of joint 1 is 0x200, which has unknown bits");
   refused([](FaceRig& r) { r.joints[1].parent = FB_NO_JOINT; }, "joint \"jaw\", which controls move, hangs on none");
+  refused([](FaceRig& r) { r.weights[0] = 0.5f; }, "vertex 0 has weights of joints that sum to 0.5, not 1");
+  refused([](FaceRig& r) { r.numbers[0] = FB_JOINT_ROTATE, r.weights[0] = 1.5f; },
+          "vertex 0 has weights of joints that sum to 1.5, more than 1");
   // Without the flag, only a host moves joints.
   FaceRig rig;
   rig.rig.struct_size = offsetof(fb_rig, joint_numbers);
