@@ -1,5 +1,6 @@
 // bench_worst_poses ARCHIVE RIG [SEED [REMOVED]]: searches for the poses in which a packed face is furthest from its
-// live rig: random dense and sparse ones, the worst of which are made worse control by control and pair by pair.
+// live rig: random dense and sparse ones, the worst of which are made worse control by control and pair by pair; and
+// tries the controls of every corrective at the ends of their ranges.
 // With REMOVED, so many of the face's correctives are removed first, and it is counted how many of them the search
 // finds: poses that reduce to exactly the controls of one, which is then put back.
 #include <algorithm>
@@ -118,8 +119,8 @@ class Comparison {
   void each(const std::vector<Pose>& poses, const Visit& visit) {
     if (!face_) face_.emplace(model_);
     runtime::Workspace work(*face_);
-    const std::size_t size = rig_.coordinate_count();
-    std::vector<float> points, predicted(size);
+    const std::size_t size = rig_.coordinate_count(), surface = rig_.rest().surface_points().size();
+    std::vector<float> points, predicted(surface);
     for (std::size_t first = 0; first < poses.size(); first += block) {
       const std::size_t count = std::min(block, poses.size() - first);
       std::vector<float> values;
@@ -128,7 +129,7 @@ class Comparison {
       rig_.evaluate(values, count, points);
       for (std::size_t i = 0; i < count; ++i) {
         face_->evaluate(poses[first + i].data(), predicted.data(), work);
-        visit(first + i, std::span<const float>(points).subspan(i * size, size), std::span<const float>(predicted));
+        visit(first + i, std::span<const float>(points).subspan(i * size, surface), std::span<const float>(predicted));
       }
     }
   }
@@ -278,6 +279,31 @@ std::vector<Removable> correctives_of(const PackedModel& model) {
   return all;
 }
 
+// The controls of every corrective at the ends of their ranges, in all combinations, the others at rest.
+void print_ends(Comparison& face) {
+  std::set<Pose> poses;
+  for (const Removable& corrective : correctives_of(face.model())) {
+    std::vector<Pose> of_corrective = {face.rest()};
+    for (const std::uint32_t c : corrective.controls) {
+      std::vector<Pose> longer;
+      for (const Pose& pose : of_corrective)
+        for (const float end : {face.controls()[c].minimum, face.controls()[c].maximum})
+          if (end != face.rest()[c]) longer.emplace_back(pose)[c] = end;
+      of_corrective = std::move(longer);
+    }
+    poses.insert(of_corrective.begin(), of_corrective.end());
+  }
+  if (poses.empty()) return;
+  std::vector<BadPose> found = face.worst({poses.begin(), poses.end()});
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.residual > b.residual; });
+  double sum = 0;
+  for (const BadPose& pose : found) sum += pose.residual;
+  const auto count = static_cast<double>(found.size());
+  std::printf("ends   max %.2e, 1 %% above %.2e, mean %.2e of %zu poses of correctives, vertex %u, with %s\n",
+              found[0].residual / face.diagonal(), found[found.size() / 100].residual / face.diagonal(),
+              sum / count / face.diagonal(), found.size(), found[0].vertex, face.describe(found[0].pose).c_str());
+}
+
 // Zeroes the shapes of a corrective, or restores them from the whole model.
 void set_shapes(PackedModel& model, const Removable& corrective, const PackedModel* whole) {
   for (std::size_t b = 0; b < model.row_blocks.size(); ++b) {
@@ -336,6 +362,7 @@ int main(int argc, char** argv) try {
   const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
   Comparison face(archive::read_archive(read_file(argv[1])).model, rig);
   if (argc > 4) return find_removed(face, std::strtoull(argv[4], nullptr, 10), seed), 0;
+  print_ends(face);
   for (const bool dense : {true, false}) print_worst(face, dense, seed);
   return 0;
 } catch (const std::exception& error) {

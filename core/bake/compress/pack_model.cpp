@@ -202,7 +202,7 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options, const
   }
   if (options.step > 0 && options.rate_distortion) {
     std::optional<RoundingCompensation> compensation;
-    if (!options.samples.empty()) compensation.emplace(packed, options.samples, parallel);
+    if (!options.samples.empty()) compensation.emplace(packed, options.samples, options.coefficient_sizes, parallel);
     rate_distortion_quantise(packed, exact,
                              {options.step_lambda, weights.of_vertex, compensation ? &*compensation : nullptr});
   }

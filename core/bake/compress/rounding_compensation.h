@@ -18,8 +18,10 @@ namespace fb::bake {
 // 2208.11580) for a whole matrix, in the form of its Cholesky factor.
 class RoundingCompensation {
  public:
-  // `samples`: coefficients in some poses, poses x model.columns. The columns of each row block must be final.
-  RoundingCompensation(const PackedModel& model, std::span<const float> samples, const Parallel& parallel);
+  // `samples`: coefficients in some poses, poses x model.columns. `typical_sizes`: of each coefficient where it is not
+  // 0, see PackOptions; empty: 1. The columns of each row block must be final.
+  RoundingCompensation(const PackedModel& model, std::span<const float> samples, std::span<const float> typical_sizes,
+                       const Parallel& parallel);
 
   // M of a row block: row `index`, up to its diagonal. Of the columns by their index in the block.
   std::span<const float> factors(std::size_t block, std::size_t index) const {

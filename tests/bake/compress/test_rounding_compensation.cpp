@@ -123,15 +123,27 @@ TEST_CASE("a column is rounded from what the errors before it leave") {
   packed.columns = 3;
   packed.row_blocks.push_back({0, 3, {{0, false, 1}, {1, false, 1}, {2, false, 1}}, std::vector<std::int16_t>(9)});
   // The second coefficient is twice the first, the third never active.
-  const RoundingCompensation compensation(packed, std::vector<float>{1, 2, 0, 2, 4, 0, -1, -2, 0}, {});
+  const RoundingCompensation compensation(packed, std::vector<float>{1, 2, 0, 2, 4, 0, -1, -2, 0}, {}, {});
   REQUIRE(compensation.factors(0, 1).size() == 1);
   CHECK(compensation.factors(0, 1)[0] ==
-        doctest::Approx(0.5 / 1.1));  // an error e of the first is -e / 2 of the second
+        doctest::Approx(4 / (8 * 1.1 + 0.03)));  // an error e of the first is about -e / 2 of the second
   CHECK(compensation.factors(0, 2)[0] == 0);
   CHECK(compensation.factors(0, 2)[1] == 0);
   // Sizes whose squares are no floats.
-  const RoundingCompensation large(packed, std::vector<float>{1e30f, 2e30f, 0, 3e38f, 3e38f, 1e-30f}, {});
+  const RoundingCompensation large(packed, std::vector<float>{1e30f, 2e30f, 0, 3e38f, 3e38f, 1e-30f}, {}, {});
   for (const float factor : large.factors(0, 2)) CHECK(std::isfinite(factor));
+}
+
+TEST_CASE("a column that poses barely use makes good nothing") {
+  PackedModel packed;
+  packed.columns = 2;
+  packed.row_blocks.push_back({0, 3, {{0, false, 1}, {1, false, 1}}, std::vector<std::int16_t>(6)});
+  // A corrective that is a thousandth of what it may be, in one pose of a hundred.
+  std::vector<float> samples;
+  for (int pose = 0; pose < 100; ++pose) samples.insert(samples.end(), {0.5f, pose == 0 ? 1e-4f : 0});
+  const RoundingCompensation compensation(packed, samples, std::vector<float>{0.5f, 0.1f}, {});
+  // In units of typical sizes, an error of the first moves less than a thousandth of it to the second.
+  CHECK(std::fabs(compensation.factors(0, 1)[0]) < 1e-3f * 0.5f / 0.1f);
 }
 
 TEST_CASE("steps are finer where vertices lie densely") {
