@@ -7,6 +7,7 @@
 #include <new>
 #include <vector>
 
+#include "face_joints.h"
 #include "rig.h"
 #include "shots.h"
 
@@ -23,6 +24,9 @@ struct Plugin {
   std::vector<fb_rig_control> controls;
   std::vector<fb_rig_clip> clips;
   std::vector<std::uint32_t> sizes;
+  FaceSkin skin;
+  std::vector<fb_joint> joints;
+  std::vector<std::uint32_t> joint_numbers;
 
   Plugin() : shots(make_shots(rig.controls())) {
     for (const Control& c : rig.controls().list())
@@ -31,14 +35,33 @@ struct Plugin {
       clips.push_back(
           {s.name.c_str(), FB_CLIP_SHOT, std::int32_t(s.split), s.fps, std::uint32_t(s.frames), 0, s.values.data()});
     sizes.assign(rig.mesh().quads.size(), 4);
+    skin = face_skin(rig.mesh(), rig.jaw_weight());
+    for (const FaceJoint& joint : face_joints()) add_joint(joint);
+  }
+
+  void add_joint(const FaceJoint& from) {
+    fb_joint joint = {};
+    joint.name = from.name;
+    joint.parent = FB_NO_JOINT;
+    for (int row = 0; row < 3; ++row) {
+      joint.rest[5 * row] = 1;
+      joint.rest[4 * row + 3] = (&from.origin.x)[row];
+    }
+    joints.push_back(joint);
+    joint_numbers.push_back(from.numbers);
   }
 };
 
-fb_status evaluate(void* user, uint64_t poses, const float* controls, float* positions, char*, uint32_t) {
+fb_status evaluate(void* user, uint64_t poses, const float* controls, float* positions, float*, float* joints, char*,
+                   uint32_t) {
   const Rig& rig = static_cast<const Plugin*>(user)->rig;
   const std::size_t width = rig.controls().list().size(), count = rig.rest().size();
   Vec3* points = reinterpret_cast<Vec3*>(positions);
-  for (uint64_t i = 0; i < poses; ++i) rig.pose(controls + i * width, points + i * count);
+  constexpr std::size_t frames = FB_FRAME_FLOATS * std::size_t(kFaceJoints);
+  for (uint64_t i = 0; i < poses; ++i) {
+    rig.pose(controls + i * width, points + i * count);
+    joint_frames(rig.motions(), controls + i * width, joints + i * frames);
+  }
   return FB_OK;
 }
 
@@ -52,7 +75,7 @@ void fill(const Plugin& plugin, fb_rig& rig) {
   rig.name = "sample face";
   rig.units = "cm";
   rig.up_axis = "y";
-  rig.flags = FB_RIG_THREAD_SAFE;
+  rig.flags = FB_RIG_THREAD_SAFE | FB_RIG_SKINNED;
   rig.control_count = uint32_t(plugin.controls.size());
   rig.controls = plugin.controls.data();
   rig.vertex_count = uint32_t(plugin.rig.rest().size());
@@ -62,7 +85,13 @@ void fill(const Plugin& plugin, fb_rig& rig) {
   rig.polygon_corners = mesh.quads.front().data();
   rig.clip_count = uint32_t(plugin.clips.size());
   rig.clips = plugin.clips.data();
-  rig.evaluate = evaluate;
+  rig.joint_count = uint32_t(plugin.joints.size());
+  rig.joints = plugin.joints.data();
+  rig.joint_numbers = plugin.joint_numbers.data();
+  rig.skin_influences = 1;
+  rig.skin_joints = plugin.skin.joints.data();
+  rig.skin_weights = plugin.skin.weights.data();
+  rig.evaluate_skinned = evaluate;
   rig.destroy = destroy;
 }
 

@@ -18,6 +18,8 @@ class Rig {
   const FaceMesh& mesh() const { return mesh_; }
   // The points with all controls at 0, exactly as pose gives them; mesh().points before the deformers' rounding.
   const std::vector<Vec3>& rest() const { return rest_; }
+  // How much each vertex follows the jaw.
+  const std::vector<float>& jaw_weight() const { return jaw_weight_; }
   const Controls& controls() const { return controls_; }
   const MotionControls& motions() const { return motion_; }
   const std::vector<Term>& terms() const { return terms_; }

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "anatomy.h"
+#include "face_joints.h"
 #include "rig.h"
 #include "shots.h"
 
@@ -133,9 +134,43 @@ TEST_CASE("the plugin tells the same as the rig inside") {
   CHECK(splits == std::set<std::int32_t>{FB_SPLIT_TRAIN, FB_SPLIT_VALIDATION, FB_SPLIT_TEST});
   const std::vector<float> rest_controls = at_rest();
   std::vector<float> points(3 * std::size_t(rig.vertex_count));
-  REQUIRE(rig.evaluate(rig.user, 1, rest_controls.data(), points.data(), message, sizeof message) == FB_OK);
+  std::vector<float> frames(FB_FRAME_FLOATS * std::size_t(rig.joint_count));
+  REQUIRE(rig.evaluate_skinned(rig.user, 1, rest_controls.data(), points.data(), nullptr, frames.data(), message,
+                               sizeof message) == FB_OK);
   CHECK(std::memcmp(points.data(), rig.rest_positions, points.size() * sizeof(float)) == 0);
   rig.destroy(rig.user);
+}
+
+// Where a joint takes a point of the rest pose.
+Vec3 carried(const float* frame, Vec3 origin, Vec3 p) {
+  const Vec3 d = p - origin;
+  return {dot({frame[0], frame[1], frame[2]}, d) + frame[3], dot({frame[4], frame[5], frame[6]}, d) + frame[7],
+          dot({frame[8], frame[9], frame[10]}, d) + frame[11]};
+}
+
+TEST_CASE("teeth, eyes and a still tongue are where their joints are") {
+  const FaceMesh& mesh = face().mesh();
+  const FaceSkin skin = face_skin(mesh, face().jaw_weight());
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    std::vector<float> values = at_rest();
+    Dice dice(seed);
+    for (const char* control : {"jaw_open", "jaw_side", "jaw_forward", "jaw_twist", "look_x", "look_y", "eye_out_L"})
+      set(values, control, dice.roll());
+    const std::vector<Vec3> points = posed(values);
+    std::vector<float> frames(std::size_t(12) * kFaceJoints);
+    joint_frames(face().motions(), values.data(), frames.data());
+    float off = 0, moved = 0;
+    for (const Span& span : {mesh.lower_teeth, mesh.eyes[0], mesh.eyes[1], mesh.tongue})
+      for (Index v = span.first; v < span.first + span.count; ++v) {
+        const std::size_t joint = skin.joints[v];
+        CHECK(skin.weights[v] == 1);
+        const Vec3 expected = carried(&frames[12 * joint], face_joints()[joint].origin, mesh.points[v]);
+        off = std::max(off, length(expected - points[v]));
+        moved = std::max(moved, length(mesh.points[v] - points[v]));
+      }
+    CHECK(moved > 0.1f);
+    CHECK(off < 1e-4f);
+  }
 }
 
 TEST_CASE("every control moves something, on its own or with the jaw open") {

@@ -138,6 +138,7 @@ void check_ranks(const char* const path, std::initializer_list<std::size_t> coun
 
 TEST_CASE("any number of ranks gives the positions of one, and how driven joints have moved") {
   check_ranks(FB_TOY_RIG, {1, 2, 3, 500}, 0);
+  check_ranks(FB_SAMPLE_RIG, {20}, 14);
 }
 
 TEST_CASE("a pose that fails on any rank is told by its number in the block, with the reason") {
