@@ -46,6 +46,7 @@ std::shared_ptr<PosedFrame> FacePose::free_frame() {
   frame->normals.resize(numbers);
   if (fb_tangent_signs(model_.get())) frame->tangents.resize(numbers);
   frame->sockets.resize(static_cast<std::size_t>(FB_FRAME_FLOATS) * fb_socket_count(model_.get()));
+  frame->driven_joints.resize(static_cast<std::size_t>(FB_FRAME_FLOATS) * fb_driven_joint_count(model_.get()));
   frames_.push_back(frame);
   return frame;
 }
@@ -69,6 +70,8 @@ bool FacePose::pose() {
   batch.tangent_numbers = frame->tangents.size();
   batch.sockets = frame->sockets.empty() ? nullptr : frame->sockets.data();
   batch.socket_floats = frame->sockets.size();
+  batch.joints = frame->driven_joints.empty() ? nullptr : frame->driven_joints.data();
+  batch.joint_floats = frame->driven_joints.size();
   batch.bounds = frame->bounds.data();
   batch.bounds_floats = frame->bounds.size();
   batch.lod = lod_;

@@ -15,14 +15,16 @@
 
 namespace facebaker::engine {
 
-/** A pose as the archive has it: its axes, units and order of vertices. */
+/** A pose as the archive has it: its axes, units and order of vertices; as driven joints have moved it, and before
+ * joints of the host do, see LinearSkin. */
 struct PosedFrame {
-  std::vector<float> positions;   ///< 3 x vertices, xyz interleaved
-  std::vector<float> normals;     ///< 3 x vertices, of unit length
-  std::vector<float> tangents;    ///< 3 x vertices, of unit length; empty for a face without texture coordinates
-  std::vector<float> sockets;     ///< frames of the face's sockets, 12 floats each, before any skin
-  std::array<float, 6> bounds{};  ///< smallest x, y and z, then the largest
-  std::uint64_t number = 0;       ///< 1 for the first pose, and one more for each that differs from the last
+  std::vector<float> positions;      ///< 3 x vertices, xyz interleaved
+  std::vector<float> normals;        ///< 3 x vertices, of unit length
+  std::vector<float> tangents;       ///< 3 x vertices, of unit length; empty for a face without texture coordinates
+  std::vector<float> sockets;        ///< frames of the face's sockets, 12 floats each
+  std::vector<float> driven_joints;  ///< frames of its driven joints, 12 floats each
+  std::array<float, 6> bounds{};     ///< smallest x, y and z, then the largest
+  std::uint64_t number = 0;          ///< 1 for the first pose, and one more for each that differs from the last
 };
 
 /** Poses a face. Of one thread at a time; the frames that it gives out never change and may be read by any thread, for

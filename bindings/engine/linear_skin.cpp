@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 namespace facebaker::engine {
 namespace {
@@ -21,6 +22,10 @@ Frame product(const float* a, const float* b) {
       made[4 * row + column] = sum;
     }
   return made;
+}
+
+void add_scaled(Frame& sum, float weight, const float* matrix) {
+  for (std::size_t k = 0; k < FB_FRAME_FLOATS; ++k) sum[k] += weight * matrix[k];
 }
 
 void turn(const float* frame, const float* direction, float* to) {
@@ -61,6 +66,53 @@ LinearSkin::LinearSkin(const Model& model) : vertices_(model.vertex_count()), mo
     names_.emplace_back(joint.name);
   }
   matrices_ = at_rest_;
+  find_shares();
+}
+
+void LinearSkin::find_shares() {
+  using Weights = std::map<std::uint32_t, double>;  // of joints of the host
+  const auto add = [](Weights& to, const Weights& from) {
+    for (const auto& [joint, weight] : from) to[joint] += weight;
+  };
+  const std::size_t count = fb_driven_joint_count(model_.get()), followed = fb_driven_influences(model_.get());
+  std::vector<Weights> own(count), below(count);
+  for (std::size_t i = 0; i < vertices_ * followed; ++i) {
+    const double weight = static_cast<double>(fb_driven_skin_weights(model_.get())[i]);
+    if (weight <= 0) continue;
+    const std::size_t first = i / followed * influences_;
+    for (std::size_t k = first; k < first + influences_; ++k)
+      own[fb_driven_skin_joints(model_.get())[i]][fb_skin_joints(model_.get())[k]] +=
+          weight * static_cast<double>(fb_skin_weights(model_.get())[k]);
+  }
+  std::vector<std::uint32_t> parents(count);
+  for (std::size_t j = count; j-- > 0;) {  // parents come first
+    fb_driven_joint joint;
+    fb_driven_joint_init(&joint);
+    check(fb_driven_joint_at(model_.get(), static_cast<std::uint32_t>(j), &joint));
+    parents[j] = joint.parent;
+    if (own[j].empty()) own[j] = below[j];
+    if (joint.parent != FB_NO_JOINT) add(below[joint.parent], own[j]);
+  }
+  shares_.resize(count);
+  for (std::size_t j = 0; j < count; ++j) {
+    if (own[j].empty() && parents[j] != FB_NO_JOINT) own[j] = own[parents[j]];
+    double sum = 0;
+    for (const auto& [joint, weight] : own[j]) sum += weight;
+    for (const auto& [joint, weight] : own[j])
+      if (weight > 0) shares_[j].push_back({joint, static_cast<float>(weight / sum)});
+  }
+}
+
+void LinearSkin::move_frame(std::uint32_t driven_joint, const float* frame, float* to) const {
+  if (driven_joint >= shares_.size() || shares_[driven_joint].empty()) {
+    std::copy_n(frame, FB_FRAME_FLOATS, to);
+    return;
+  }
+  Frame sum{};
+  for (const Share& share : shares_[driven_joint])
+    add_scaled(sum, share.weight, matrices_.data() + static_cast<std::size_t>(FB_FRAME_FLOATS) * share.joint);
+  const Frame moved = product(sum.data(), frame);
+  std::copy(moved.begin(), moved.end(), to);
 }
 
 bool LinearSkin::set_motion(std::uint32_t joint, const float* motion) {
@@ -83,8 +135,7 @@ void LinearSkin::apply(const PosedFrame& pose, std::vector<float>& positions, st
     Frame sum{};
     float total = 0;
     for (std::size_t i = v * influences_; i < (v + 1) * influences_ && weights[i] > 0; ++i) {
-      const float* matrix = matrices_.data() + static_cast<std::size_t>(FB_FRAME_FLOATS) * joints[i];
-      for (std::size_t k = 0; k < FB_FRAME_FLOATS; ++k) sum[k] += weights[i] * matrix[k];
+      add_scaled(sum, weights[i], matrices_.data() + static_cast<std::size_t>(FB_FRAME_FLOATS) * joints[i]);
       total += weights[i];
     }
     if (total <= 0) continue;

@@ -40,8 +40,23 @@ std::vector<float> widest(const Model& model) {
   return controls;
 }
 
+// Frames of the driven joints of a pose.
+std::vector<float> driven_joint_frames(const Model& model, const std::vector<float>& controls) {
+  std::vector<float> frames(12 * std::size_t(fb_driven_joint_count(model.get())));
+  if (frames.empty()) return frames;
+  fb_batch_desc batch;
+  fb_batch_desc_init(&batch);
+  batch.poses = 1;
+  batch.controls = controls.data();
+  batch.control_floats = controls.size();
+  batch.joints = frames.data();
+  batch.joint_floats = frames.size();
+  facebaker::Scratch(model).evaluate(batch);
+  return frames;
+}
+
 TEST_CASE("poses have the bits of fb_evaluate") {
-  for (const char* name : {"tiny", "character", "body", "exact", "levels"}) {
+  for (const char* name : {"tiny", "character", "body", "exact", "levels", "driven"}) {
     const Model model = fixture(name);
     FacePose pose(model);
     const std::size_t count = 3 * std::size_t(model.vertex_count());
@@ -54,6 +69,7 @@ TEST_CASE("poses have the bits of fb_evaluate") {
     scratch.evaluate(controls.data(), expected.data());
     CHECK(pose.current()->positions == expected);
     CHECK(pose.current()->number == 2);
+    CHECK(pose.current()->driven_joints == driven_joint_frames(model, controls));
     CHECK_FALSE(pose.set_controls(controls.data(), controls.size() - 1));
     CHECK_FALSE(pose.set_control(model.control_count(), 0));
   }
@@ -313,15 +329,29 @@ TEST_CASE("frames are converted as positions are") {
   }
 }
 
-TEST_CASE("a skin takes vertices where its joints are, and moves them with these") {
-  const Model model = fixture("body");
-  const FacePose pose(model);
+// How much of what follows a driven joint follows a joint of the host.
+double part_of(const Model& model, std::uint32_t driven_joint, std::uint32_t joint) {
+  const std::size_t driven = fb_driven_influences(model.get()), influences = fb_skin_influences(model.get());
+  double part = 0, all = 0;
+  for (std::size_t v = 0; v < model.vertex_count(); ++v)
+    for (std::size_t i = v * driven; i < (v + 1) * driven; ++i)
+      for (std::size_t k = v * influences; k < (v + 1) * influences; ++k) {
+        if (fb_driven_skin_joints(model.get())[i] != driven_joint) continue;
+        const double weight = double(fb_driven_skin_weights(model.get())[i]) * double(fb_skin_weights(model.get())[k]);
+        all += weight;
+        part += fb_skin_joints(model.get())[k] == joint ? weight : 0;
+      }
+  return all > 0 ? part / all : 0;
+}
+
+// A pose is taken where the joints of the host are at rest, and moves with these.
+void check_skin(const Model& model, const PosedFrame& pose) {
   LinearSkin skin(model);
   REQUIRE(skin.joint_count() > 1);
   std::vector<float> positions, normals, tangents;
-  skin.apply(*pose.current(), positions, normals, tangents);
+  skin.apply(pose, positions, normals, tangents);
   for (std::size_t v = 0; v < model.vertex_count(); ++v) {
-    const std::array<double, 3> expected = skinned_at_rest(model, pose.current()->positions, v);
+    const std::array<double, 3> expected = skinned_at_rest(model, pose.positions, v);
     for (std::size_t k = 0; k < 3; ++k)
       CHECK(double(positions[3 * v + k]) == doctest::Approx(expected[k]).epsilon(1e-4));
   }
@@ -329,7 +359,7 @@ TEST_CASE("a skin takes vertices where its joints are, and moves them with these
   REQUIRE(skin.set_motion(0, shift.data()));
   CHECK_FALSE(skin.set_motion(std::uint32_t(skin.joint_count()), shift.data()));
   std::vector<float> moved;
-  skin.apply(*pose.current(), moved, normals, tangents);
+  skin.apply(pose, moved, normals, tangents);
   const std::uint32_t influences = fb_skin_influences(model.get());
   for (std::size_t v = 0; v < model.vertex_count(); ++v) {
     float weight = 0;  // of joint 0
@@ -338,6 +368,55 @@ TEST_CASE("a skin takes vertices where its joints are, and moves them with these
         weight += fb_skin_weights(model.get())[v * influences + i];
     CHECK(moved[3 * v + 1] - positions[3 * v + 1] == doctest::Approx(20 * weight).epsilon(1e-3));
   }
+}
+
+TEST_CASE("a skin takes vertices where its joints are, and moves them with these") {
+  for (const char* name : {"body", "driven"}) {
+    const Model model = fixture(name);
+    FacePose pose(model);
+    const std::vector<float> controls = widest(model);
+    REQUIRE(pose.set_controls(controls.data(), controls.size()));
+    REQUIRE(pose.pose());
+    check_skin(model, *pose.current());
+  }
+}
+
+TEST_CASE("the frame of a driven joint is moved as what follows the joint") {
+  const Model model = fixture("driven");
+  FacePose pose(model);
+  const std::vector<float> controls = widest(model);
+  REQUIRE(pose.set_controls(controls.data(), controls.size()));
+  REQUIRE(pose.pose());
+  const std::vector<float>& frames = pose.current()->driven_joints;
+  LinearSkin skin(model);
+  std::array<float, 12> before, after;
+  // Joints that all move alike take the frame along.
+  const std::array<float, 12> motion = {0, -1, 0, 3, 1, 0, 0, -4, 0, 0, 1, 5};
+  skin.move_frame(3, frames.data() + 36, before.data());
+  for (std::uint32_t i = 0; i < skin.joint_count(); ++i) skin.set_motion(i, motion.data());
+  skin.move_frame(3, frames.data() + 36, after.data());
+  for (std::size_t column = 0; column < 4; ++column) {
+    CHECK(after[column] == doctest::Approx(-before[4 + column] + (column == 3 ? 3 : 0)));
+    CHECK(after[4 + column] == doctest::Approx(before[column] - (column == 3 ? 4 : 0)));
+    CHECK(after[8 + column] == doctest::Approx(before[8 + column] + (column == 3 ? 5 : 0)));
+  }
+  // A joint that moves alone moves it by its part of what follows the driven joint.
+  LinearSkin still(model), moved(model);
+  const std::array<float, 12> shift = {1, 0, 0, 0, 0, 1, 0, 20, 0, 0, 1, 0};
+  REQUIRE(moved.set_motion(0, shift.data()));
+  const auto path = [&](std::uint32_t joint) {
+    still.move_frame(joint, frames.data() + 12 * joint, before.data());
+    moved.move_frame(joint, frames.data() + 12 * joint, after.data());
+    return double(after[7] - before[7]);
+  };
+  for (const std::uint32_t joint : {1u, 3u}) CHECK(path(joint) == doctest::Approx(20 * part_of(model, joint, 0)));
+  CHECK(part_of(model, 1, 0) > 0.01);
+  CHECK(part_of(model, 1, 0) < 0.99);
+  CHECK(part_of(model, 0, 0) == 0);  // no vertex follows the jaw: it is moved as the tongue, and the pin as the jaw
+  CHECK(path(0) == doctest::Approx(path(1)));
+  CHECK(path(2) == doctest::Approx(path(1)));
+  LinearSkin(fixture("character")).move_frame(0, frames.data(), after.data());  // without joints nothing moves
+  CHECK(std::equal(after.begin(), after.end(), frames.begin()));
 }
 
 TEST_CASE("Unreal's face fills buffers with motion, and stops") {
