@@ -48,7 +48,7 @@ mkdir "$work/poses" "$work/data"
 cp -rL "$build/fixtures" "$build/golden" "$work/data/"
 [ ! -e "$build/../quickstart/sample.fbk" ] || cp "$build/../quickstart/sample.fbk" "$work/data/"
 for face in "$work"/data/fixtures/*.fbk "$work"/data/golden/accepted/regular.fbk "$work"/data/golden/accepted/uvs.fbk \
-  "$work/data/sample.fbk"; do
+  "$work"/data/golden/accepted/driven-exact-levels.fbk "$work"/data/golden/accepted/driven-split-rows.fbk "$work/data/sample.fbk"; do
   [ -e "$face" ] || continue  # the quickstart's, where it was run
   name=$(basename "$face" .fbk)
   "$work/dump_poses" "$face" "$work/poses/$name.poses"

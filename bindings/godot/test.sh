@@ -42,7 +42,7 @@ mkdir "$project/addons" "$project/faces"
 mv "$work/addon" "$project/addons/facebaker"
 ${CC:-cc} -std=c99 -Wall -Wextra -Werror -O2 -Icapi/include bindings/engine/tests/dump_poses.c -o "$work/dump_poses" \
   -L"$build/lib" -lfacebaker -Wl,-rpath,"$build/lib"
-for face in "$build"/fixtures/*.fbk "$build/../quickstart/sample.fbk"; do
+for face in "$build"/fixtures/*.fbk "$build/golden/accepted/driven-exact-levels.fbk" "$build/../quickstart/sample.fbk"; do
   [ -e "$face" ] || continue  # the quickstart's, where it was run
   cp "$face" "$project/faces/"
   "$work/dump_poses" "$face" "$project/faces/$(basename "$face" .fbk).poses"
@@ -65,6 +65,6 @@ bindings/engine/tests/run_packed.sh "$work/game" "$build" timeout 90 ./game ||
   ${CXX:-c++} -std=c++17 -O1 -g -fsanitize=address -Wall -Wextra -Werror -isystem "$(dirname "$extension")" \
     bindings/godot/tests/stubbed_godot4.cpp -o "$work/stubbed_godot4" -ldl
   ASAN_OPTIONS=detect_leaks=0 "$work/stubbed_godot4" "$work/addon4/bin/libfacebaker_godot4.so" \
-    "$work/moved/faces/character.fbk" "$work/moved/faces/character.poses" "$work/moved/faces/broken.bin"
+    "$work/moved/faces/driven.fbk" "$work/moved/faces/driven.poses" "$work/moved/faces/broken.bin"
   echo "the module for Godot 4 was called over stubs, and not run in Godot"
 }

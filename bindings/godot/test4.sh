@@ -48,7 +48,7 @@ mkdir "$project/addons" "$project/faces"
 bindings/godot/build_addon.sh --godot 4 --headers "$work/headers" --libraries "$build/lib/engines" --out "$project/addons/facebaker"
 ${CC:-cc} -std=c99 -Wall -Wextra -Werror -O2 -Icapi/include bindings/engine/tests/dump_poses.c -o "$work/dump_poses" \
   -L"$build/lib" -lfacebaker -Wl,-rpath,"$build/lib"
-for face in "$build"/fixtures/*.fbk "$build/../quickstart/sample.fbk"; do
+for face in "$build"/fixtures/*.fbk "$build/golden/accepted/driven-exact-levels.fbk" "$build/../quickstart/sample.fbk"; do
   [ -e "$face" ] || continue  # the quickstart's, where it was run
   cp "$face" "$project/faces/"
   "$work/dump_poses" "$face" "$project/faces/$(basename "$face" .fbk).poses"
@@ -82,4 +82,4 @@ godot game ./game --headless || fail "the exported game"
 ${CXX:-c++} -std=c++17 -O1 -g -fsanitize=address -Wall -Wextra -Werror -isystem "$work/headers" \
   bindings/godot/tests/stubbed_godot4.cpp -o "$work/stubbed_godot4" -ldl
 ASAN_OPTIONS=detect_leaks=0 "$work/stubbed_godot4" "$work/kept/addons/facebaker/bin/libfacebaker_godot4.so" \
-  "$work/kept/faces/character.fbk" "$work/kept/faces/character.poses" "$work/kept/faces/broken.bin"
+  "$work/kept/faces/driven.fbk" "$work/kept/faces/driven.poses" "$work/kept/faces/broken.bin"

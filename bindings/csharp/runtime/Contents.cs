@@ -248,7 +248,7 @@ namespace FaceBaker
         public float Rest { get; private set; }
     }
 
-    /// <summary>A joint of the skeleton that carries the face. Positions are before skinning.</summary>
+    /// <summary>A joint of the skeleton that carries the face. Positions are before its skin.</summary>
     public sealed class FaceJoint
     {
         internal unsafe FaceJoint(fb_joint* from)
@@ -269,6 +269,60 @@ namespace FaceBaker
         public IReadOnlyList<float> InverseBind { get; private set; }
     }
 
+    /// <summary>How controls move a driven joint within its parent, along the axes of its own frame at rest.</summary>
+    [Flags]
+    public enum JointNumbers
+    {
+        /// <summary>With its parent only.</summary>
+        None = 0,
+        /// <summary>Turns about its x axis.</summary>
+        RotateX = (int)Native.FB_JOINT_ROTATE_X,
+        /// <summary>Turns about its y axis.</summary>
+        RotateY = (int)Native.FB_JOINT_ROTATE_Y,
+        /// <summary>Turns about its z axis.</summary>
+        RotateZ = (int)Native.FB_JOINT_ROTATE_Z,
+        /// <summary>All three; by less than a half turn.</summary>
+        Rotate = (int)Native.FB_JOINT_ROTATE,
+        /// <summary>Moves along its x axis.</summary>
+        MoveX = (int)Native.FB_JOINT_MOVE_X,
+        /// <summary>Moves along its y axis.</summary>
+        MoveY = (int)Native.FB_JOINT_MOVE_Y,
+        /// <summary>Moves along its z axis.</summary>
+        MoveZ = (int)Native.FB_JOINT_MOVE_Z,
+        /// <summary>All three.</summary>
+        Move = (int)Native.FB_JOINT_MOVE,
+        /// <summary>Is longer or shorter along its x axis.</summary>
+        ScaleX = (int)Native.FB_JOINT_SCALE_X,
+        /// <summary>Is longer or shorter along its y axis.</summary>
+        ScaleY = (int)Native.FB_JOINT_SCALE_Y,
+        /// <summary>Is longer or shorter along its z axis.</summary>
+        ScaleZ = (int)Native.FB_JOINT_SCALE_Z,
+        /// <summary>All three.</summary>
+        Scale = (int)Native.FB_JOINT_SCALE
+    }
+
+    /// <summary>A joint that the controls move: of a jaw, a tongue, an eye. Positions have it in them; where it is in a pose,
+    /// <see cref="PoseBatch.Joints"/> gives.</summary>
+    public sealed class DrivenJoint
+    {
+        internal unsafe DrivenJoint(fb_driven_joint* from)
+        {
+            Name = Native.Text(from->name);
+            Parent = from->parent == Native.FB_NO_JOINT ? -1 : (int)from->parent;
+            Numbers = (JointNumbers)from->numbers;
+            Rest = Array.AsReadOnly(Native.Copy(from->rest, Native.FB_FRAME_FLOATS));
+        }
+
+        /// <summary>Unique, not empty.</summary>
+        public string Name { get; private set; }
+        /// <summary>Index of its parent among <see cref="Face.DrivenJoints"/>, less than its own; -1: none.</summary>
+        public int Parent { get; private set; }
+        /// <summary>How controls move it within its parent.</summary>
+        public JointNumbers Numbers { get; private set; }
+        /// <summary>Its frame at rest, in the space of positions: the upper three rows of a 4 x 4 matrix.</summary>
+        public IReadOnlyList<float> Rest { get; private set; }
+    }
+
     /// <summary>A pose that comes out as the rig gave it.</summary>
     public sealed class ExactPose
     {
@@ -285,7 +339,8 @@ namespace FaceBaker
     }
 
     /// <summary>Consecutive rows of the basis that use the same coefficients, for hosts whose GPU moves the vertices. Row 3 i +
-    /// axis is coordinate `axis` of vertex i in baked order (<see cref="Face.VertexOrder"/>).</summary>
+    /// axis is coordinate `axis` of vertex i in baked order (<see cref="Face.VertexOrder"/>). Driven joints move vertices after
+    /// that.</summary>
     public sealed class RowBlock
     {
         private readonly uint[] columns;

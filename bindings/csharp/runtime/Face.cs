@@ -179,6 +179,13 @@ namespace FaceBaker
             return Find(name, Native.fb_find_joint);
         }
 
+        /// <summary>The index of a driven joint by its name.</summary>
+        /// <exception cref="FaceBakerException">There is none; the message has those there are.</exception>
+        public int FindDrivenJoint(string name)
+        {
+            return Find(name, Native.fb_find_driven_joint);
+        }
+
         private delegate int Finder(ModelHandle model, byte* name, uint* index);
 
         private int Find(string name, Finder finder)

@@ -14,13 +14,14 @@ namespace FaceBaker
         private IReadOnlyList<FaceSocket> sockets;
         private IReadOnlyList<FaceChannel> channels;
         private IReadOnlyList<FaceJoint> joints;
+        private IReadOnlyList<DrivenJoint> drivenJoints;
         private IReadOnlyList<FaceLevel> levels;
         private IReadOnlyList<ExactPose> exactPoses;
         private IReadOnlyList<RowBlock> rowBlocks;
         private IReadOnlyList<string> regions, errorRegions;
-        private float[] restControls, restPositions, uvs, tangentSigns, skinWeights;
+        private float[] restControls, restPositions, uvs, tangentSigns, skinWeights, drivenSkinWeights;
         private uint[] polygonSizes, polygonCorners, uvCorners, vertexOrder, errorVertexRegions;
-        private ushort[] skinJoints;
+        private ushort[] skinJoints, drivenSkinJoints;
         private string about, provenance;
 
         private delegate T Reader<T>(uint index);
@@ -147,6 +148,20 @@ namespace FaceBaker
             }
         }
 
+        /// <summary>The joints that the controls drive, after their parents; there may be none.</summary>
+        public IReadOnlyList<DrivenJoint> DrivenJoints
+        {
+            get
+            {
+                return Copied(ref drivenJoints, face => ListOf(Native.fb_driven_joint_count(face.Handle), i =>
+                {
+                    fb_driven_joint at = fb_driven_joint.Filled();
+                    Native.Check(Native.fb_driven_joint_at(face.Handle, i, &at));
+                    return new DrivenJoint(&at);
+                }));
+            }
+        }
+
         /// <summary>Levels of detail, with the whole as level 0.</summary>
         public IReadOnlyList<FaceLevel> Levels
         {
@@ -162,8 +177,8 @@ namespace FaceBaker
         }
 
         /// <summary>The basis: times the coefficients of a pose (<see cref="Scratch.EvaluateCoefficients"/>) it gives
-        /// displacements, which differ from positions by rounding, and do without exact poses. Large; copied when it is first
-        /// asked for.
+        /// displacements, which differ from positions by rounding, and do without exact poses and driven joints. Large; copied
+        /// when it is first asked for.
         /// </summary>
         public IReadOnlyList<RowBlock> RowBlocks
         {
@@ -331,6 +346,34 @@ namespace FaceBaker
             {
                 return Copied(ref skinWeights, face =>
                     Native.Copy(Native.fb_skin_weights(face.Handle), face.VertexCount * face.SkinInfluences));
+            }
+        }
+
+        /// <summary>Influences of each vertex in the two spans below; 0 if the face has no driven joints.</summary>
+        public int DrivenInfluences
+        {
+            get { return (int)Native.fb_driven_influences(Handle); }
+        }
+
+        /// <summary>Driven joints that each vertex follows: vertices x <see cref="DrivenInfluences"/>.</summary>
+        public ReadOnlySpan<ushort> DrivenSkinJoints
+        {
+            get
+            {
+                return Copied(ref drivenSkinJoints, face =>
+                    Native.Copy(Native.fb_driven_skin_joints(face.Handle), face.VertexCount * face.DrivenInfluences));
+            }
+        }
+
+        /// <summary>The weight of each, 0 to 1; those of a vertex sum to at most 1, and the rest of it does not move. A vertex
+        /// of <see cref="PoseBatch.Unskinned"/> positions at p goes to p + the sum of weight x (frame x (inverse of <see
+        /// cref="DrivenJoint.Rest"/>) x p - p), with frames of <see cref="PoseBatch.Joints"/>.</summary>
+        public ReadOnlySpan<float> DrivenSkinWeights
+        {
+            get
+            {
+                return Copied(ref drivenSkinWeights, face =>
+                    Native.Copy(Native.fb_driven_skin_weights(face.Handle), face.VertexCount * face.DrivenInfluences));
             }
         }
 

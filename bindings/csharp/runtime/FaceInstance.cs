@@ -7,7 +7,7 @@ namespace FaceBaker
     public sealed class FaceInstance : IDisposable
     {
         private readonly Scratch scratch;
-        private readonly float[] controls, positions, normals, tangents, sockets;
+        private readonly float[] controls, positions, normals, tangents, sockets, joints;
         private readonly float[] bounds = new float[6];
         private bool posed;
         private float lod;
@@ -21,6 +21,7 @@ namespace FaceBaker
             positions = new float[3 * face.VertexCount];
             normals = new float[positions.Length];
             sockets = new float[12 * face.Sockets.Count];
+            joints = new float[12 * face.DrivenJoints.Count];
             tangents = new float[face.TangentSigns.Length == 0 ? 0 : positions.Length];
         }
 
@@ -75,6 +76,8 @@ namespace FaceBaker
         /// <summary>Frames of its sockets, 12 floats each, in the archive's axes and units; see <see
         /// cref="AxisConversion.ApplyFrame"/>.</summary>
         public ReadOnlySpan<float> Sockets { get { return sockets; } }
+        /// <summary>Frames of its driven joints, likewise.</summary>
+        public ReadOnlySpan<float> Joints { get { return joints; } }
         /// <summary>Its smallest x, y, z and its largest.</summary>
         public ReadOnlySpan<float> Bounds { get { return bounds; } }
 
@@ -85,8 +88,8 @@ namespace FaceBaker
             if (posed) return false;
             scratch.EvaluateBatch(new PoseBatch(1, controls)
             {
-                Positions = positions, Normals = normals, Tangents = tangents, Sockets = sockets, Bounds = bounds,
-                Lod = lod
+                Positions = positions, Normals = normals, Tangents = tangents, Sockets = sockets, Joints = joints,
+                Bounds = bounds, Lod = lod
             });
             posed = true;
             return true;

@@ -61,6 +61,10 @@ namespace FaceBaker
         public Span<float> Sockets;
         /// <summary>From a pose to the next; 0: without gap.</summary>
         public long SocketPoseStride;
+        /// <summary>Frames of <see cref="Face.DrivenJoints"/>, likewise. Refused for a face without driven joints.</summary>
+        public Span<float> Joints;
+        /// <summary>From a pose to the next; 0: without gap.</summary>
+        public long JointPoseStride;
         /// <summary>Values of <see cref="Face.Channels"/>, one float each.</summary>
         public Span<float> Channels;
         /// <summary>From a pose to the next; 0: without gap.</summary>
@@ -89,7 +93,10 @@ namespace FaceBaker
         public bool LevelOnly;
         /// <summary>Vertices in the order of <see cref="Face.VertexOrder"/>, which is quicker.</summary>
         public bool BakedOrder;
-        /// <summary>Displacements from the rest pose in place of positions.</summary>
+        /// <summary>Displacements from the rest pose in place of positions, before driven joints move the vertices.</summary>
         public bool Displacements;
+        /// <summary>Positions, normals and tangents are those before driven joints move the vertices, for a host that does so
+        /// itself: see <see cref="Face.DrivenSkinWeights"/>. Bounds and sockets are of what is seen.</summary>
+        public bool Unskinned;
     }
 }

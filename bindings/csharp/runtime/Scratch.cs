@@ -101,7 +101,8 @@ namespace FaceBaker
                    normals = &MemoryMarshal.GetReference(batch.Normals),
                    tangents = &MemoryMarshal.GetReference(batch.Tangents), sockets = &MemoryMarshal.GetReference(batch.Sockets),
                    channels = &MemoryMarshal.GetReference(batch.Channels), bounds = &MemoryMarshal.GetReference(batch.Bounds),
-                   errors = &MemoryMarshal.GetReference(batch.ExpectedErrors))
+                   errors = &MemoryMarshal.GetReference(batch.ExpectedErrors),
+                   joints = &MemoryMarshal.GetReference(batch.Joints))
             fixed (ushort* halfPositions = &MemoryMarshal.GetReference(batch.HalfPositions),
                    halfNormals = &MemoryMarshal.GetReference(batch.HalfNormals),
                    halfTangents = &MemoryMarshal.GetReference(batch.HalfTangents))
@@ -114,6 +115,7 @@ namespace FaceBaker
                 desc.tangents = half ? Or(halfTangents, batch.HalfTangents.Length) : Or(tangents, batch.Tangents.Length);
                 desc.sockets = (float*)Or(sockets, batch.Sockets.Length);
                 desc.channels = (float*)Or(channels, batch.Channels.Length);
+                desc.joints = (float*)Or(joints, batch.Joints.Length);
                 desc.bounds = (float*)Or(bounds, batch.Bounds.Length);
                 desc.expected_errors = (float*)Or(errors, batch.ExpectedErrors.Length);
                 desc.outside = (uint*)Or(outside, batch.Outside.Length);
@@ -153,6 +155,8 @@ namespace FaceBaker
             desc.socket_pose_stride = Number(batch.SocketPoseStride);
             desc.channel_floats = (ulong)batch.Channels.Length;
             desc.channel_pose_stride = Number(batch.ChannelPoseStride);
+            desc.joint_floats = (ulong)batch.Joints.Length;
+            desc.joint_pose_stride = Number(batch.JointPoseStride);
             desc.expected_error_floats = (ulong)batch.ExpectedErrors.Length;
             desc.expected_error_pose_stride = Number(batch.ExpectedErrorPoseStride);
             if (batch.Outside.Length > 0 && batch.Outside.Length < batch.Poses)
@@ -165,6 +169,7 @@ namespace FaceBaker
             desc.level_only = batch.LevelOnly ? 1u : 0u;
             desc.vertex_order = (uint)(batch.BakedOrder ? Native.FB_ORDER_BAKED : Native.FB_ORDER_SOURCE);
             desc.displacements = batch.Displacements ? 1u : 0u;
+            desc.unskinned = batch.Unskinned ? 1u : 0u;
             if (batch.ParallelFor == null) return;
             desc.parallel_for = NativeCallbacks.ParallelForPointer;
             desc.parallel_user = (void*)batch.ParallelFor.User;

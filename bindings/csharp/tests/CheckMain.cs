@@ -111,36 +111,38 @@ namespace FaceBaker.Tests
     /// <summary>What dump_poses has written.</summary>
     internal sealed class DumpedPoses
     {
-        public readonly int Poses, Controls, Vertices, Sockets, Channels, Tangents;
+        public readonly int Poses, Controls, Vertices, Sockets, Channels, Tangents, Joints;
         private readonly float[] numbers;
 
         public DumpedPoses(string file)
         {
             byte[] bytes = File.ReadAllBytes(file);
-            var header = new int[6];
-            Buffer.BlockCopy(bytes, 0, header, 0, 24);
+            var header = new int[7];
+            Buffer.BlockCopy(bytes, 0, header, 0, 28);
             Poses = header[0];
             Controls = header[1];
             Vertices = header[2];
             Sockets = header[3];
             Channels = header[4];
             Tangents = header[5];
-            numbers = new float[(bytes.Length - 24) / 4];
-            Buffer.BlockCopy(bytes, 24, numbers, 0, 4 * numbers.Length);
+            Joints = header[6];
+            numbers = new float[(bytes.Length - 28) / 4];
+            Buffer.BlockCopy(bytes, 28, numbers, 0, 4 * numbers.Length);
             CheckMain.Same(Poses * PoseFloats, numbers.Length, "numbers in " + file);
         }
 
         private int PoseFloats
         {
-            get { return Controls + Vertices * (6 + 3 * Tangents) + Sockets + Channels; }
+            get { return Controls + Vertices * (6 + 3 * Tangents) + Sockets + Channels + Joints; }
         }
 
         public ReadOnlySpan<float> ControlsOf(int pose) { return Part(pose, 0, Controls); }
         public ReadOnlySpan<float> PositionsOf(int pose) { return Part(pose, Controls, 3 * Vertices); }
         public ReadOnlySpan<float> NormalsOf(int pose) { return Part(pose, Controls + 3 * Vertices, 3 * Vertices); }
         public ReadOnlySpan<float> TangentsOf(int pose) { return Part(pose, Controls + 6 * Vertices, 3 * Vertices * Tangents); }
-        public ReadOnlySpan<float> SocketsOf(int pose) { return Part(pose, PoseFloats - Sockets - Channels, Sockets); }
-        public ReadOnlySpan<float> ChannelsOf(int pose) { return Part(pose, PoseFloats - Channels, Channels); }
+        public ReadOnlySpan<float> SocketsOf(int pose) { return Part(pose, PoseFloats - Joints - Channels - Sockets, Sockets); }
+        public ReadOnlySpan<float> ChannelsOf(int pose) { return Part(pose, PoseFloats - Joints - Channels, Channels); }
+        public ReadOnlySpan<float> JointsOf(int pose) { return Part(pose, PoseFloats - Joints, Joints); }
 
         private ReadOnlySpan<float> Part(int pose, int first, int count)
         {

@@ -26,7 +26,7 @@ namespace FaceBaker.Tests
 
         public static void NothingIsAllocated()
         {
-            using (Face face = Face.Load(Fixture("character.fbk")))
+            using (Face face = Face.Load(Fixture("driven.fbk")))
             using (var scratch = new Scratch(face, 2))
             using (var instance = new FaceInstance(face))
             using (var turns = new ParallelForHandle(new OneByOne()))
@@ -37,6 +37,7 @@ namespace FaceBaker.Tests
                 float[] batchControls = new float[batch * face.ControlCount],
                     batchPositions = new float[batch * positions.Length];
                 float[] sockets = new float[12 * face.Sockets.Count], coefficients = new float[face.CoefficientCount];
+                var joints = new float[12 * face.DrivenJoints.Count];
                 var mesh = new RenderMesh(face, 0, AxisConversion.ToUnity(face));
                 var vertices = new float[mesh.VertexCount * mesh.VertexFloats];
                 Action everything = () =>
@@ -48,7 +49,7 @@ namespace FaceBaker.Tests
                         face.Evaluate(controls, positions);
                         scratch.EvaluateCoefficients(controls, coefficients);
                         scratch.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Normals = normals,
-                            Sockets = sockets });
+                            Sockets = sockets, Joints = joints });
                         face.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Lod = 1 });
                         instance[0] = controls[0];
                         instance.Pose();

@@ -135,6 +135,32 @@ namespace FaceBaker.Tests
                 Same(face.SkinJoints.Length, face.SkinWeights.Length, "joints");
                 Same(-1, face.Joints[0].Parent, "parent of the first joint");
             }
+            using (Face face = Face.Load(Fixture("driven.fbk")))
+            {
+                That(face.Joints.Count > 0 && face.SkinInfluences > 0, "joints and skin of the host");
+                Same(4, face.DrivenJoints.Count, "driven joints");
+                Same(-1, face.DrivenJoints[0].Parent, "parent of the jaw");
+                Same(0, face.DrivenJoints[1].Parent, "parent of the tongue");
+                Same(JointNumbers.Rotate, face.DrivenJoints[0].Numbers, "numbers of the jaw");
+                Same(JointNumbers.RotateX | JointNumbers.RotateY | JointNumbers.MoveZ, face.DrivenJoints[1].Numbers,
+                     "numbers of the tongue");
+                Same(JointNumbers.None, face.DrivenJoints[2].Numbers, "numbers of the pin");
+                Same(JointNumbers.Rotate | JointNumbers.Move | JointNumbers.Scale, face.DrivenJoints[3].Numbers,
+                     "numbers of the lid");
+                Same(12, face.DrivenJoints[0].Rest.Count, "frame of the jaw");
+                Same(-1f, face.DrivenJoints[0].Rest[11], "z of the jaw");
+                Same(1, face.FindDrivenJoint("tongue"), "index of the tongue");
+                That(Throws<FaceBakerException>(() => face.FindDrivenJoint("ear")).Message.Contains("tongue"), "names");
+                Same(3, face.DrivenInfluences, "influences");
+                Same(face.VertexCount * 3, face.DrivenSkinWeights.Length, "weights");
+                Same(face.VertexCount * 3, face.DrivenSkinJoints.Length, "joints of vertices");
+            }
+            using (Face face = Face.Load(Fixture("body.fbk")))
+            {
+                Same(0, face.DrivenJoints.Count + face.DrivenInfluences + face.DrivenSkinWeights.Length, "driven joints");
+                Throws<FaceBakerException>(() => face.EvaluateBatch(
+                    new PoseBatch(1, face.RestControls) { Joints = new float[12] }));
+            }
             using (Face face = Face.Load(Fixture("levels.fbk")))
             {
                 That(face.Levels.Count > 1, "levels");

@@ -31,7 +31,7 @@ namespace FaceBaker.Tests
 
         public static void AllOutputsHaveTheBitsOfTheCInterface()
         {
-            bool tangents = false, sockets = false;
+            bool tangents = false, sockets = false, driven = false;
             foreach (KeyValuePair<string, DumpedPoses> pair in Dumped())
                 using (Face face = Face.Load(pair.Key))
                 {
@@ -41,21 +41,77 @@ namespace FaceBaker.Tests
                     var tangent = new float[positions.Length * expected.Tangents];
                     var socket = new float[expected.Sockets];
                     var channels = new float[expected.Channels];
+                    var joints = new float[expected.Joints];
                     for (int p = 0; p < expected.Poses; ++p)
                     {
                         face.EvaluateBatch(new PoseBatch(1, expected.ControlsOf(p)) {
                             Positions = positions, Normals = normals, Tangents = tangent, Sockets = socket,
-                                Channels = channels });
+                                Channels = channels, Joints = joints });
                         SameBits(expected.PositionsOf(p), positions, pair.Key + " positions");
                         SameBits(expected.NormalsOf(p), normals, pair.Key + " normals");
                         SameBits(expected.TangentsOf(p), tangent, pair.Key + " tangents");
                         SameBits(expected.SocketsOf(p), socket, pair.Key + " sockets");
                         SameBits(expected.ChannelsOf(p), channels, pair.Key + " channels");
+                        SameBits(expected.JointsOf(p), joints, pair.Key + " driven joints");
                     }
                     tangents |= tangent.Length > 0;
                     sockets |= socket.Length > 0;
+                    driven |= joints.Length > 0;
                 }
-            That(tangents && sockets, "there were tangents and sockets");
+            That(tangents && sockets && driven, "there were tangents, sockets and driven joints");
+        }
+
+        public static void DrivenJointsTakeVerticesWhereTheyAre()
+        {
+            int faces = 0;
+            foreach (KeyValuePair<string, DumpedPoses> pair in Dumped())
+                using (Face face = Face.Load(pair.Key))
+                {
+                    if (face.DrivenJoints.Count == 0) continue;
+                    ++faces;
+                    float[] before = new float[3 * face.VertexCount], joints = new float[12 * face.DrivenJoints.Count];
+                    double farthest = 0;
+                    for (int p = 0; p < pair.Value.Poses; ++p)
+                    {
+                        face.EvaluateBatch(new PoseBatch(1, pair.Value.ControlsOf(p)) {
+                            Positions = before, Joints = joints, Unskinned = true });
+                        ReadOnlySpan<float> after = pair.Value.PositionsOf(p);
+                        for (int v = 0; v < face.VertexCount; ++v)
+                        {
+                            double[] skinned = SkinnedByHand(face, v, before, joints);
+                            for (int k = 0; k < 3; ++k)
+                            {
+                                That(Math.Abs(skinned[k] - after[3 * v + k]) < 1e-4 * face.Diagonal,
+                                     "vertex " + v + " of " + pair.Key + " is " + skinned[k] + " and not " + after[3 * v + k]);
+                                farthest = Math.Max(farthest, Math.Abs(before[3 * v + k] - after[3 * v + k]));
+                            }
+                        }
+                    }
+                    That(farthest > 0.01 * face.Diagonal, "joints move vertices");
+                }
+            That(faces >= 2, faces + " faces have driven joints");
+        }
+
+        // p + the sum of weight x (frame x (inverse of rest) x p - p); axes of these faces are orthogonal and of length 1.
+        private static double[] SkinnedByHand(Face face, int vertex, float[] positions, float[] frames)
+        {
+            var skinned = new double[] { positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2] };
+            for (int i = vertex * face.DrivenInfluences; i < (vertex + 1) * face.DrivenInfluences; ++i)
+            {
+                int joint = face.DrivenSkinJoints[i];
+                IReadOnlyList<float> rest = face.DrivenJoints[joint].Rest;
+                var local = new double[3];
+                for (int axis = 0; axis < 3; ++axis)
+                    for (int row = 0; row < 3; ++row)
+                        local[axis] += rest[4 * row + axis] * ((double)positions[3 * vertex + row] - rest[4 * row + 3]);
+                for (int row = 0; row < 3; ++row)
+                {
+                    double at = frames[12 * joint + 4 * row + 3];
+                    for (int axis = 0; axis < 3; ++axis) at += frames[12 * joint + 4 * row + axis] * local[axis];
+                    skinned[row] += face.DrivenSkinWeights[i] * (at - positions[3 * vertex + row]);
+                }
+            }
+            return skinned;
         }
 
         public static void ThreadsShareAFace()
@@ -127,7 +183,7 @@ namespace FaceBaker.Tests
 
         public static void TheBasisGivesDisplacements()
         {
-            foreach (string name in new[] { "tiny.fbk", "character.fbk" })
+            foreach (string name in new[] { "tiny.fbk", "character.fbk", "driven.fbk" })
                 using (Face face = Face.Load(Fixture(name)))
                 using (var scratch = new Scratch(face))
                 {

@@ -65,6 +65,43 @@ namespace FaceBaker.Tests
             Call(component, "OnDisable");
         }
 
+        public static void DrivenJointsAreWhereThePoseHasThem()
+        {
+            FaceBakerFace component = Open("driven.fbk");
+            Face face = component.Face;
+            var follower = new GameObject("follower").AddComponent<FaceBakerFace>();
+            follower.enabled = true;
+            follower.Asset = component.Asset;
+            follower.MeshName = face.Meshes[1].Name;
+            follower.Leader = component;
+            var before = component.GetDrivenJoint(0);
+            foreach (Control control in face.Controls) component.SetControl(control.Index, control.Maximum);
+            Call(component, "LateUpdate");
+            Call(follower, "LateUpdate");
+            using (var instance = new FaceInstance(face))
+            {
+                instance.SetControls(Widest(face));
+                instance.Pose();
+                var expected = new float[12];
+                for (int joint = 0; joint < face.DrivenJoints.Count; ++joint)
+                {
+                    AxisConversion.ToUnity(face).ApplyFrame(instance.Joints.Slice(12 * joint, 12), expected);
+                    Matrix4x4 frame = component.GetDrivenJoint(joint), followed = follower.GetDrivenJoint(joint);
+                    for (int i = 0; i < 12; ++i)
+                    {
+                        Same(expected[i], frame[i / 4, i % 4], face.DrivenJoints[joint].Name);
+                        Same(expected[i], followed[i / 4, i % 4], face.DrivenJoints[joint].Name + " of a follower");
+                    }
+                }
+                That(before[0, 0] != component.GetDrivenJoint(0)[0, 0], "the jaw turns");
+                Matrix4x4 socket = component.GetSocket(0), other = follower.GetSocket(0);
+                for (int i = 0; i < 12; ++i) Same(socket[i / 4, i % 4], other[i / 4, i % 4], "a socket of a follower");
+            }
+            Throws<ArgumentOutOfRangeException>(() => component.GetDrivenJoint(face.DrivenJoints.Count));
+            Call(follower, "OnDisable");
+            Call(component, "OnDisable");
+        }
+
         // Its ranges hold all its indices and nothing else, its bounds all its vertices.
         private static void CheckPart(SubMeshDescriptor part, UnityEngine.Mesh mesh, int floats)
         {

@@ -2,8 +2,9 @@
  *
  *     dump_poses FACE.fbk OUT.poses
  *
- * OUT: six uint32 (poses, controls, vertices, socket floats, channels, 1 with tangents), then for each pose as floats its
- * controls, positions, normals, tangents, sockets and channels. Poses are random, from a fixed seed; the first is at rest. */
+ * OUT: seven uint32 (poses, controls, vertices, socket floats, channels, 1 with tangents, floats of driven joints),
+ * then for each pose as floats its controls, positions, normals, tangents, sockets, channels and frames of driven
+ * joints. Poses are random, from a fixed seed; the first is at rest. */
 #include <facebaker/facebaker_character.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,9 +32,10 @@ static int check(fb_status status) {
 static int dump(const fb_model* face, fb_scratch* scratch, FILE* file) {
   const uint32_t controls = fb_control_count(face), vertices = fb_vertex_count(face), channels = fb_channel_count(face);
   const uint32_t sockets = FB_FRAME_FLOATS * fb_socket_count(face), tangents = fb_tangent_signs(face) ? 1 : 0;
-  const uint32_t header[6] = {POSES, controls, vertices, sockets, channels, tangents};
+  const uint32_t joints = FB_FRAME_FLOATS * fb_driven_joint_count(face);
+  const uint32_t header[7] = {POSES, controls, vertices, sockets, channels, tangents, joints};
   float* pose = floats(controls);
-  float* out = floats(9u * (uint64_t)vertices + sockets + channels);
+  float* out = floats(9u * (uint64_t)vertices + sockets + channels + joints);
   fwrite(header, sizeof header, 1, file);
   for (uint32_t p = 0; p < POSES; ++p) {
     for (uint32_t c = 0; c < controls; ++c) {
@@ -52,6 +54,7 @@ static int dump(const fb_model* face, fb_scratch* scratch, FILE* file) {
     if (tangents) desc.tangents = next, desc.tangent_numbers = desc.position_floats, next += desc.position_floats;
     if (sockets) desc.sockets = next, desc.socket_floats = sockets, next += sockets;
     if (channels) desc.channels = next, desc.channel_floats = channels, next += channels;
+    if (joints) desc.joints = next, desc.joint_floats = joints, next += joints;
     if (check(fb_evaluate_batch(face, scratch, &desc))) return 1;
     fwrite(pose, sizeof(float), controls, file);
     fwrite(out, sizeof(float), (size_t)(next - out), file);

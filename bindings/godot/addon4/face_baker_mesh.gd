@@ -85,11 +85,23 @@ func set_controls(values: PackedFloat32Array) -> void:
 # Where a socket of the last pose is, in this node: for what hangs on the face. At the origin, and an error, if there is none.
 func socket_transform(socket: String) -> Transform3D:
 	var index: int = face.find_socket(socket) if face else -1
-	if index < 0:
-		push_error("FaceBakerMesh: " + (face.last_error() if face else "no face is loaded"))
-		return Transform3D()
-	var f: PackedFloat32Array = face.socket_frame(index)
+	return _transform(face.socket_frame(index)) if index >= 0 else _no_transform()
+
+
+# Where a joint that the controls drive is in the last pose, in this node: for what hangs on a jaw or an eye, and for bones. At
+# the origin, and an error, if there is none.
+func driven_joint_transform(joint: String) -> Transform3D:
+	var index: int = face.find_driven_joint(joint) if face else -1
+	return _transform(face.driven_joint_frame(index)) if index >= 0 else _no_transform()
+
+
+func _transform(f: PackedFloat32Array) -> Transform3D:
 	return Transform3D(Vector3(f[0], f[4], f[8]), Vector3(f[1], f[5], f[9]), Vector3(f[2], f[6], f[10]), Vector3(f[3], f[7], f[11]))
+
+
+func _no_transform() -> Transform3D:
+	push_error("FaceBakerMesh: " + (face.last_error() if face else "no face is loaded"))
+	return Transform3D()
 
 
 # Puts all controls at rest.

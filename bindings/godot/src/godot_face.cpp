@@ -109,6 +109,14 @@ fb_socket socket_at(GodotFace& face, const Value& index) {
   return socket;
 }
 
+fb_driven_joint driven_joint_at(GodotFace& face, const Value& index) {
+  const fb_model* model = model_of(*face.state);
+  fb_driven_joint joint;
+  fb_driven_joint_init(&joint);
+  check(fb_driven_joint_at(model, index_of(index.integer, fb_driven_joint_count(model), "driven joint"), &joint));
+  return joint;
+}
+
 void make_surfaces(State& state) {
   const Model& model = posed(state).model();
   state.axes = engine::axes_of_godot(fb_up_axis(model.get()), fb_units(model.get()), state.metres);
@@ -141,10 +149,11 @@ Value load_bytes(GodotFace& face, const Value* arguments) {
   }
 }
 
-Value find_control(GodotFace& face, const Value* arguments) {
+// The index of what has a name; -1 if there is none, see last_error.
+template <fb_status (*find)(const fb_model*, const char*, std::uint32_t*)>
+Value find_name(GodotFace& face, const Value* arguments) {
   std::uint32_t index = 0;
-  const fb_status status = fb_find_control(model_of(*face.state), arguments[0].text.c_str(), &index);
-  if (status == FB_OK) return of_integer(index);
+  if (find(model_of(*face.state), arguments[0].text.c_str(), &index) == FB_OK) return of_integer(index);
   face.state->last_error = fb_last_error();
   return of_integer(-1);
 }
@@ -234,22 +243,54 @@ Value bounds(GodotFace& face, const Value*) {
   return of_array(Kind::vectors3, out.data(), 2);
 }
 
-Value find_socket(GodotFace& face, const Value* arguments) {
-  std::uint32_t index = 0;
-  const fb_status status = fb_find_socket(model_of(*face.state), arguments[0].text.c_str(), &index);
-  if (status == FB_OK) return of_integer(index);
-  face.state->last_error = fb_last_error();
-  return of_integer(-1);
-}
-
 // Three rows of a matrix, converted.
-Value socket_frame(GodotFace& face, const Value* arguments) {
-  const auto frame = posed(*face.state).current();
-  const std::uint32_t index = index_of(arguments[0].integer, frame->sockets.size() / FB_FRAME_FLOATS, "socket");
+Value converted_frame(GodotFace& face, const float* frame) {
   std::vector<float>& out = face.state->floats;
   out.resize(FB_FRAME_FLOATS);
-  face.state->axes.convert_frame(frame->sockets.data() + static_cast<std::size_t>(FB_FRAME_FLOATS) * index, out.data());
+  face.state->axes.convert_frame(frame, out.data());
   return of_array(Kind::floats, out.data(), out.size());
+}
+
+Value socket_frame(GodotFace& face, const Value* arguments) {
+  const auto frame = posed(*face.state).current();
+  const std::size_t index = index_of(arguments[0].integer, frame->sockets.size() / FB_FRAME_FLOATS, "socket");
+  return converted_frame(face, frame->sockets.data() + FB_FRAME_FLOATS * index);
+}
+
+// ---- Methods: driven joints
+
+Value driven_joint_parent(GodotFace& face, const Value* arguments) {
+  const std::uint32_t parent = driven_joint_at(face, arguments[0]).parent;
+  return of_integer(parent == FB_NO_JOINT ? -1 : static_cast<std::int64_t>(parent));
+}
+
+Value driven_joint_rest(GodotFace& face, const Value* arguments) {
+  return converted_frame(face, driven_joint_at(face, arguments[0]).rest);
+}
+
+Value driven_joint_frame(GodotFace& face, const Value* arguments) {
+  const auto frame = posed(*face.state).current();
+  const std::vector<float>& frames = frame->driven_joints;
+  const std::size_t index = index_of(arguments[0].integer, frames.size() / FB_FRAME_FLOATS, "driven joint");
+  return converted_frame(face, frames.data() + FB_FRAME_FLOATS * index);
+}
+
+// Of every vertex of the face, in the order of positions, its influences.
+std::size_t driven_skin_size(GodotFace& face) {
+  const fb_model* model = model_of(*face.state);
+  return static_cast<std::size_t>(fb_vertex_count(model)) * fb_driven_influences(model);
+}
+
+Value driven_skin_joints(GodotFace& face, const Value*) {
+  const std::size_t size = driven_skin_size(face);
+  const std::uint16_t* joints = fb_driven_skin_joints(model_of(*face.state));
+  face.state->integers.assign(joints, joints + size);
+  return of_array(Kind::integers, face.state->integers.data(), size);
+}
+
+Value driven_skin_weights(GodotFace& face, const Value*) {
+  const std::size_t size = driven_skin_size(face);
+  return of_array(Kind::floats, fb_driven_skin_weights(model_of(*face.state)), size);
 }
 
 // ---- Methods: surfaces
@@ -404,6 +445,16 @@ const std::vector<Method>& methods() {
   const Call material_name = [](GodotFace& f, const Value* a) { return of_text(material_at(f, *a).name); };
   const Call socket_count = [](GodotFace& f, const Value*) { return of_integer(fb_socket_count(model_of(*f.state))); };
   const Call socket_name = [](GodotFace& f, const Value* a) { return of_text(socket_at(f, *a).name); };
+  const Call driven_joint_count = [](GodotFace& f, const Value*) {
+    return of_integer(fb_driven_joint_count(model_of(*f.state)));
+  };
+  const Call driven_joint_name = [](GodotFace& f, const Value* a) { return of_text(driven_joint_at(f, *a).name); };
+  const Call driven_joint_numbers = [](GodotFace& f, const Value* a) {
+    return of_integer(driven_joint_at(f, *a).numbers);
+  };
+  const Call driven_influences = [](GodotFace& f, const Value*) {
+    return of_integer(fb_driven_influences(model_of(*f.state)));
+  };
   const Call face_name = [](GodotFace& f, const Value*) { return of_text(fb_name(model_of(*f.state))); };
   const Call units = [](GodotFace& f, const Value*) { return of_text(fb_units(model_of(*f.state))); };
   const Call up_axis = [](GodotFace& f, const Value*) { return of_text(fb_up_axis(model_of(*f.state))); };
@@ -437,7 +488,7 @@ const std::vector<Method>& methods() {
       {"control_maximum", {Kind::integer}, Kind::real, control_maximum},
       {"control_rest", {Kind::integer}, Kind::real, control_rest},
       {"control_mirror", {Kind::integer}, Kind::integer, control_mirror},
-      {"find_control", {Kind::text}, Kind::integer, find_control},
+      {"find_control", {Kind::text}, Kind::integer, find_name<fb_find_control>},
       {"set_control", {Kind::integer, Kind::real}, Kind::nothing, set_control},
       {"get_control", {Kind::integer}, Kind::real, get_control},
       {"set_controls", {Kind::floats}, Kind::nothing, set_controls},
@@ -449,8 +500,18 @@ const std::vector<Method>& methods() {
       {"bounds", {}, Kind::vectors3, bounds},
       {"socket_count", {}, Kind::integer, socket_count},
       {"socket_name", {Kind::integer}, Kind::text, socket_name},
-      {"find_socket", {Kind::text}, Kind::integer, find_socket},
+      {"find_socket", {Kind::text}, Kind::integer, find_name<fb_find_socket>},
       {"socket_frame", {Kind::integer}, Kind::floats, socket_frame},
+      {"driven_joint_count", {}, Kind::integer, driven_joint_count},
+      {"driven_joint_name", {Kind::integer}, Kind::text, driven_joint_name},
+      {"driven_joint_parent", {Kind::integer}, Kind::integer, driven_joint_parent},
+      {"driven_joint_numbers", {Kind::integer}, Kind::integer, driven_joint_numbers},
+      {"driven_joint_rest", {Kind::integer}, Kind::floats, driven_joint_rest},
+      {"find_driven_joint", {Kind::text}, Kind::integer, find_name<fb_find_driven_joint>},
+      {"driven_joint_frame", {Kind::integer}, Kind::floats, driven_joint_frame},
+      {"driven_influences", {}, Kind::integer, driven_influences},
+      {"driven_skin_joints", {}, Kind::integers, driven_skin_joints},
+      {"driven_skin_weights", {}, Kind::floats, driven_skin_weights},
       {"surface_count", {}, Kind::integer, surface_count},
       {"surface_mesh", {Kind::integer}, Kind::integer, surface_mesh},
       {"surface_material", {Kind::integer}, Kind::integer, surface_material},

@@ -339,12 +339,17 @@ std::string load(const char* path) {
 }
 
 void compare_poses(const char* path) {
+  constexpr std::size_t frame_bytes = 12 * sizeof(float);
   const Bytes file = read_file(path);
-  std::array<std::uint32_t, 6> header;
+  Box metres, none;
+  metres.variant().type = GDEXTENSION_VARIANT_TYPE_BOOL;
+  that(call("set_metres", {&metres}, none) == GDEXTENSION_CALL_OK, "lengths are the archive's");
+  std::array<std::uint32_t, 7> header;
   std::memcpy(header.data(), file.data(), sizeof header);
   const std::size_t controls = 4 * header[1], positions = 12 * header[2];
-  const std::size_t rest = positions * (1 + header[5]) + 4 * (header[3] + header[4]);
+  const std::size_t joints = 4 * header[6], rest = positions * (1 + header[5]) + 4 * (header[3] + header[4]) + joints;
   const unsigned char* at = file.data() + sizeof header;
+  that(joints > 0, "the face has driven joints");
   for (std::uint32_t p = 0; p < header[0]; ++p, at += controls + positions + rest) {
     Box values, nothing, posed, found;
     put_array(values, GDEXTENSION_VARIANT_TYPE_PACKED_FLOAT32_ARRAY, at, controls);
@@ -360,6 +365,14 @@ void compare_poses(const char* path) {
     method.ptrcall(method.userdata, instance, nullptr, typed);
     that(*held<Bytes>(typed) == found.array(), "typed calls give the same");
     destroy_array(typed);
+    const unsigned char* frames = at + controls + positions + rest - joints;
+    for (std::size_t j = 0; j < joints / frame_bytes; ++j) {
+      Box index, frame;
+      put(index, static_cast<std::int64_t>(j));
+      call("driven_joint_frame", {&index}, frame);
+      that(frame.array() == Bytes(frames + j * frame_bytes, frames + (j + 1) * frame_bytes),
+           "frames of driven joints are those of the C interface");
+    }
   }
 }
 

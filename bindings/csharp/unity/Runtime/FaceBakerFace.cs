@@ -135,16 +135,32 @@ namespace FaceBaker.Unity
 
         /// <summary>Where a socket of the last pose is, in the space of this component, for what hangs on the face; by index of
         /// <see cref="FaceBaker.Face.Sockets"/>.</summary>
-        public unsafe Matrix4x4 GetSocket(int socket)
+        public Matrix4x4 GetSocket(int socket)
         {
             RequireFace();
+            return MatrixOf(Shown.instance.Sockets.Slice(12 * socket, 12));
+        }
+
+        /// <summary>Where a joint that the controls drive is in the last pose, in the space of this component, for what hangs on
+        /// a jaw or an eye, and for bones; by index of <see cref="FaceBaker.Face.DrivenJoints"/>.</summary>
+        public Matrix4x4 GetDrivenJoint(int joint)
+        {
+            RequireFace();
+            return MatrixOf(Shown.instance.Joints.Slice(12 * joint, 12));
+        }
+
+        private unsafe Matrix4x4 MatrixOf(ReadOnlySpan<float> frameOfArchive)
+        {
             float* rows = stackalloc float[12];
-            render.Axes.ApplyFrame(instance.Sockets.Slice(12 * socket, 12), new Span<float>(rows, 12));
+            render.Axes.ApplyFrame(frameOfArchive, new Span<float>(rows, 12));
             var frame = new Matrix4x4();
             for (int i = 0; i < 12; ++i) frame[i / 4, i % 4] = rows[i];
             frame[3, 3] = 1;
             return frame;
         }
+
+        // Whose pose this one shows.
+        private FaceBakerFace Shown { get { return leader != null && leader.face == face ? leader : this; } }
 
         private Face RequireFace()
         {
@@ -166,7 +182,7 @@ namespace FaceBaker.Unity
         private void LateUpdate()
         {
             if (face == null) return;
-            FaceBakerFace from = leader != null && leader.face == face ? leader : this;
+            FaceBakerFace from = Shown;
             if (!from.Pose()) return;
             if (written == from.poseCount) return;
             WriteMesh(from.instance);

@@ -22,6 +22,7 @@ func _ready() -> void:
 			compared += 1
 		name = folder.get_next()
 	_that(compared >= 4, "there are several faces")
+	_check_driven_joints()
 	_check_errors()
 	_check_properties()
 	_check_materials()
@@ -62,6 +63,7 @@ func _compare(path: String) -> void:
 	var sockets := file.get_32()
 	var channels := file.get_32()
 	var tangents := file.get_32()
+	var joints := file.get_32()
 	var node = FaceBakerMesh.new()
 	add_child(node)
 	node.metres = false
@@ -75,15 +77,22 @@ func _compare(path: String) -> void:
 		for _i in vertices:
 			expected.append(Vector3(file.get_float(), file.get_float(), file.get_float()))
 		file.seek(file.get_position() + 4 * 3 * vertices * (1 + tangents))
-		var frames := PoolRealArray()
-		for _i in sockets:
-			frames.append(file.get_float())
+		var frames := _read_floats(file, sockets)
 		file.seek(file.get_position() + 4 * channels)
+		var joint_frames := _read_floats(file, joints)
 		node.set_controls(values)
 		node.update_pose()
 		_that(var2bytes(node.face.positions()) == var2bytes(expected), "%s, pose %d: positions" % [path, p])
 		for s in node.face.socket_count():
-			_check_socket(node, s, frames, "%s, pose %d" % [path, p])
+			_check_frame(node, node.face.socket_frame(s), frames, s, "%s, pose %d: socket" % [path, p])
+			var place: Transform = node.socket_transform(node.face.socket_name(s))
+			_check_place(place, node.face.socket_frame(s), "%s, pose %d: socket" % [path, p])
+			_that(abs(place.basis.determinant() - 1.0) < 1e-3, "%s, pose %d: the socket is turned and not mirrored" % [path, p])
+		_that(12 * node.face.driven_joint_count() == joints, path + " has its driven joints")
+		for j in node.face.driven_joint_count():
+			_check_frame(node, node.face.driven_joint_frame(j), joint_frames, j, "%s, pose %d: driven joint" % [path, p])
+			var place: Transform = node.driven_joint_transform(node.face.driven_joint_name(j))
+			_check_place(place, node.face.driven_joint_frame(j), "%s, pose %d: driven joint" % [path, p])
 		_check_mesh(node, expected, "%s, pose %d: " % [path, p])
 	node.metres = true
 	var unit: float = {"m": 1.0, "cm": 0.01, "mm": 0.001}[node.face.units()]
@@ -93,16 +102,55 @@ func _compare(path: String) -> void:
 	_free(node)
 
 
-func _check_socket(node: MeshInstance, socket: int, frames: PoolRealArray, where: String) -> void:
-	var found: PoolRealArray = node.face.socket_frame(socket)
+func _read_floats(file: File, count: int) -> PoolRealArray:
+	var floats := PoolRealArray()
+	for _i in count:
+		floats.append(file.get_float())
+	return floats
+
+
+# A frame is the one at its place among those of the C interface.
+func _check_frame(node: MeshInstance, found: PoolRealArray, frames: PoolRealArray, at: int, where: String) -> void:
+	var expected := PoolRealArray()
+	for i in 12:
+		expected.append(frames[12 * at + i])
 	if node.face.up_axis() == "y":
-		var expected := PoolRealArray()
-		for i in 12:
-			expected.append(frames[12 * socket + i])
-		_that(var2bytes(found) == var2bytes(expected), where + ": socket")
-	var place: Transform = node.socket_transform(node.face.socket_name(socket))
-	_that(place.origin == Vector3(found[3], found[7], found[11]), where + ": origin of the socket")
-	_that(abs(place.basis.determinant() - 1.0) < 1e-3, where + ": the socket is turned and not mirrored")
+		_that(var2bytes(found) == var2bytes(expected), where)
+
+
+# The transform of the node is that of the frame.
+func _check_place(place: Transform, frame: PoolRealArray, where: String) -> void:
+	_that(place.origin == Vector3(frame[3], frame[7], frame[11]), where + ": origin")
+	_that(place.basis.x == Vector3(frame[0], frame[4], frame[8]), where + ": axis")
+
+
+# Which joints the controls drive, where they are at rest, and what follows them.
+func _check_driven_joints() -> void:
+	var node = FaceBakerMesh.new()
+	add_child(node)
+	node.metres = false
+	node.face_file = "res://faces/driven.fbk"
+	var face = node.face
+	_that(face.driven_joint_count() == 4, "there are four driven joints")
+	for j in face.driven_joint_count():
+		_that(face.find_driven_joint(face.driven_joint_name(j)) == j, "a driven joint is found by its name")
+		_that(face.driven_joint_parent(j) < j and face.driven_joint_parent(j) >= -1, "it comes after its parent")
+		_that(var2bytes(face.driven_joint_rest(j)) == var2bytes(face.driven_joint_frame(j)), "it is at rest")
+	_that(face.driven_joint_numbers(0) == 7 and face.driven_joint_numbers(2) == 0, "the jaw turns, and the pin does not move")
+	var influences: int = face.driven_influences()
+	_that(influences > 0 and face.driven_skin_joints().size() == face.vertex_count() * influences, "joints of vertices")
+	_that(face.driven_skin_weights().size() == face.vertex_count() * influences, "weights of vertices")
+	var largest := 0.0
+	for weight in face.driven_skin_weights():
+		largest = max(largest, weight)
+	_that(largest > 0.25 and largest <= 1.0, "weights are weights: %f" % largest)
+	for c in face.control_count():
+		node.set_control_at(c, face.control_maximum(c))
+	node.update_pose()
+	_that(node.driven_joint_transform("jaw") != node._transform(face.driven_joint_rest(0)), "the jaw has moved")
+	_that(node.driven_joint_transform("no such joint") == Transform(), "a joint that is not there is an error")
+	_that("jaw" in face.last_error(), "which names those there are: " + face.last_error())
+	_free(node)
 
 
 # What the scene's mesh has in the rendering server: as the engine lays out a mesh made of the same arrays, which the bytes of
