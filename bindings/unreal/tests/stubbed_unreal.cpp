@@ -13,6 +13,8 @@
 #include <fstream>
 #include <iterator>
 
+#include <facebaker/facebaker_character.h>
+
 #include "FaceBakerAsset.h"
 #include "FaceBakerComponent.h"
 #include "FaceBakerFactory.h"
@@ -141,6 +143,57 @@ void check_skeleton(UFaceBakerAsset* asset) {
   check_moved(rest, component.sections[0], 0, "without bones of their names they are at rest");
 }
 
+double frame_at(const FTransform& place, int row, int column) {  // of rows: vectors come first
+  return place.ToMatrixWithScale().M[row][column];
+}
+
+/* Controls move a driven joint, and bones take it along with the vertices around it. */
+void check_driven_joints(UFaceBakerAsset* asset) {
+  UFaceBakerComponent component{FObjectInitializer()};
+  component.Asset = asset;
+  that(component.GetDrivenJoints().Num() == 0, "before a face is loaded there are no driven joints");
+  component.OnRegister();
+  const auto model = asset->Load();
+  const TArray<FFaceBakerDrivenJoint> joints = component.GetDrivenJoints();
+  that(joints.Num() == static_cast<int32>(fb_driven_joint_count(model->get())) && joints.Num() > 0,
+       "there are driven joints");
+  std::string error;
+  const auto expected = facebaker::unreal::UnrealFace::make(*model, error);
+  for (int32 i = 0; i < joints.Num(); ++i) {
+    that(component.FindDrivenJoint(joints[i].Name) == i, "a driven joint is found by its name");
+    that(joints[i].Parent < i, "it comes after its parent");
+    that(joints[i].Numbers == static_cast<int32>(expected->driven_joints()[static_cast<std::size_t>(i)].numbers),
+         "it has its numbers");
+    const float* rest = expected->driven_joints()[static_cast<std::size_t>(i)].rest.data();
+    that(frame_at(joints[i].Rest, 0, 1) == rest[4] && frame_at(joints[i].Rest, 3, 2) == rest[11], "and its frame");
+  }
+  that(component.FindDrivenJoint("no such joint") == -1 &&
+           component.OnFailed.sent.back().find("jaw") != std::string::npos,
+       "an unknown one is refused by those there are");
+  that(frame_at(component.GetDrivenJoint(99), 3, 0) == 0, "and is at the origin");
+  for (std::uint32_t c = 0; c < model->control_count(); ++c) {
+    component.SetControlAt(static_cast<int32>(c), model->control(c).maximum);
+    expected->pose().set_control(c, model->control(c).maximum);
+  }
+  const FTransform before = component.GetDrivenJoint(0);
+  tick(component);
+  expected->update(error);
+  float frame[12];
+  expected->driven_joint_frame(0, frame);
+  const FTransform posed = component.GetDrivenJoint(0);
+  that(frame_at(before, 0, 1) != frame_at(posed, 0, 1), "a pose moves the joint");
+  bool same = true;
+  for (int i = 0; i < 12; ++i) same = same && frame_at(posed, i % 4, i / 4) == static_cast<double>(frame[i]);
+  that(same, "its frame is that of the engine-free part");
+
+  USkeletalMeshComponent skeleton;
+  make_skeleton(skeleton, expected->joint_names(), 1);
+  component.Skeleton = &skeleton;
+  tick(component);
+  that(std::abs(frame_at(component.GetDrivenJoint(0), 3, 0) - frame_at(posed, 3, 0) - 5) < 1e-2,
+       "bones that move by 5 move the joint by 5");
+}
+
 /* Windows: the plugin's own library is loaded as long as the module runs. */
 void check_module(const std::string& folder) {
   const std::string library = folder + "/Source/ThirdParty/FaceBaker/Win64/facebaker.dll";
@@ -201,6 +254,10 @@ int main(int count, char** arguments) {
   UFaceBakerAsset* body = import_file(fixtures + "/body.fbk", context);
   that(body != nullptr, "so is one with a skin");
   if (body) check_skeleton(body);
+  UFaceBakerAsset* driven = import_file(fixtures + "/driven.fbk", context);
+  that(driven != nullptr, "so is one with driven joints and a skin");
+  if (driven) check_skeleton(driven);
+  if (driven) check_driven_joints(driven);
   that(!import_file(arguments[2], context) && context.sentences.size() == 1, "a broken one is refused");
   that(!import_file(fixtures + "/no such file", context) && context.sentences.size() == 2,
        "so is one that is not there");
@@ -211,6 +268,8 @@ int main(int count, char** arguments) {
   delete face;
   if (body) delete body->AssetImportData;
   delete body;
+  if (driven) delete driven->AssetImportData;
+  delete driven;
   std::printf("%d checks over stubs of Unreal, %d failed\n", checks, failures);
   return failures == 0 ? 0 : 1;
 }

@@ -18,6 +18,7 @@
 #define UPROPERTY(...)
 #endif
 #define UFUNCTION(...)
+#define USTRUCT(...)
 #define GENERATED_BODY()
 #define FACEBAKER_API
 #define TEXT(text) text
@@ -141,13 +142,17 @@ struct FMatrix {
   double M[4][4];
 };
 
-/* A translation alone. */
+/* A translation alone, but for what is made of a matrix, which keeps that. */
 struct FTransform {
   FVector At;
+  FMatrix Matrix = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
   static const FTransform Identity;
+  FTransform() = default;
+  FTransform(FVector at) : At(at), Matrix{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {at.X, at.Y, at.Z, 1}}} {}
+  explicit FTransform(const FMatrix& matrix) : At(matrix.M[3][0], matrix.M[3][1], matrix.M[3][2]), Matrix(matrix) {}
   FTransform Inverse() const { return {FVector(-At.X, -At.Y, -At.Z)}; }
   FTransform operator*(const FTransform& b) const { return {FVector(At.X + b.At.X, At.Y + b.At.Y, At.Z + b.At.Z)}; }
-  FMatrix ToMatrixWithScale() const { return {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {At.X, At.Y, At.Z, 1}}}; }
+  FMatrix ToMatrixWithScale() const { return Matrix; }
 };
 inline const FTransform FTransform::Identity{};
 

@@ -8,6 +8,19 @@
 
 using facebaker::unreal::UnrealFace;
 
+namespace {
+
+// Of three rows of a matrix for columns; Unreal's are for rows, which come first.
+FTransform TransformOfFrame(const float* Frame) {
+  FMatrix Matrix;
+  for (int32 Row = 0; Row < 3; ++Row)
+    for (int32 Column = 0; Column < 4; ++Column) Matrix.M[Column][Row] = Frame[4 * Row + Column];
+  for (int32 Row = 0; Row < 4; ++Row) Matrix.M[Row][3] = Row < 3 ? 0 : 1;
+  return FTransform(Matrix);
+}
+
+}  // namespace
+
 UFaceBakerComponent::UFaceBakerComponent(const FObjectInitializer& Initializer) : Super(Initializer) {
   PrimaryComponentTick.bCanEverTick = true;
   PrimaryComponentTick.TickGroup = TG_PostPhysics;  // after animation has moved the skeleton
@@ -53,6 +66,35 @@ int32 UFaceBakerComponent::FindControl(const FString& Name) {
   const std::int64_t Index = Face->find_control(TCHAR_TO_UTF8(*Name), Error);
   if (Index < 0) Fail(Error);
   return static_cast<int32>(Index);
+}
+
+TArray<FFaceBakerDrivenJoint> UFaceBakerComponent::GetDrivenJoints() const {
+  TArray<FFaceBakerDrivenJoint> Joints;
+  if (!Face) return Joints;
+  for (const facebaker::unreal::DrivenJoint& Joint : Face->driven_joints()) {
+    FFaceBakerDrivenJoint Made;
+    Made.Name = UTF8_TO_TCHAR(Joint.name.c_str());
+    Made.Parent = Joint.parent;
+    Made.Numbers = static_cast<int32>(Joint.numbers);
+    Made.Rest = TransformOfFrame(Joint.rest.data());
+    Joints.Add(Made);
+  }
+  return Joints;
+}
+
+int32 UFaceBakerComponent::FindDrivenJoint(const FString& Name) {
+  if (!Face) return -1;
+  std::string Error;
+  const std::int64_t Index = Face->find_driven_joint(TCHAR_TO_UTF8(*Name), Error);
+  if (Index < 0) Fail(Error);
+  return static_cast<int32>(Index);
+}
+
+FTransform UFaceBakerComponent::GetDrivenJoint(int32 Index) const {
+  float Frame[12];
+  if (!Face || Index < 0 || !Face->driven_joint_frame(static_cast<std::uint32_t>(Index), Frame))
+    return FTransform::Identity;
+  return TransformOfFrame(Frame);
 }
 
 bool UFaceBakerComponent::SetControl(const FString& Name, float Value) {

@@ -1,5 +1,7 @@
 #include "UnrealFace.h"
 
+#include <facebaker/facebaker_character.h>
+
 #include <exception>
 
 namespace facebaker::unreal {
@@ -12,6 +14,29 @@ void keep_sentence(const std::exception& exception, std::string& error) noexcept
   } catch (...) {
     error.clear();
   }
+}
+
+// The index that a function of the C interface finds for a name; -1, and its sentence, if it finds none.
+std::int64_t find_name(fb_status (*finder)(const fb_model*, const char*, std::uint32_t*), const fb_model* model,
+                       const std::string& name, std::string& error) noexcept {
+  std::uint32_t index = 0;
+  if (finder(model, name.c_str(), &index) == FB_OK) return index;
+  keep_sentence(std::runtime_error(fb_last_error()), error);
+  return -1;
+}
+
+std::vector<DrivenJoint> read_driven_joints(const fb_model* model, const engine::Axes& axes) {
+  std::vector<DrivenJoint> joints(fb_driven_joint_count(model));
+  for (std::uint32_t i = 0; i < joints.size(); ++i) {
+    fb_driven_joint joint;
+    fb_driven_joint_init(&joint);
+    check(fb_driven_joint_at(model, i, &joint));
+    joints[i].name = joint.name;
+    joints[i].parent = joint.parent == FB_NO_JOINT ? -1 : static_cast<std::int32_t>(joint.parent);
+    joints[i].numbers = joint.numbers;
+    axes.convert_frame(joint.rest, joints[i].rest.data());
+  }
+  return joints;
 }
 
 }  // namespace
@@ -39,6 +64,7 @@ UnrealFace::UnrealFace(const Model& model)
     : axes_(engine::axes_of_unreal(fb_up_axis(model.get()), fb_units(model.get()))),
       pose_(model),
       skin_(model),
+      driven_joints_(read_driven_joints(model.get(), axes_)),
       sections_(engine::render_surfaces(model, axes_)),
       buffers_(sections_.size()) {
   for (std::size_t s = 0; s < sections_.size(); ++s) {
@@ -52,10 +78,20 @@ UnrealFace::UnrealFace(const Model& model)
 }
 
 std::int64_t UnrealFace::find_control(const std::string& name, std::string& error) const noexcept {
-  std::uint32_t index = 0;
-  if (fb_find_control(pose_.model().get(), name.c_str(), &index) == FB_OK) return index;
-  keep_sentence(std::runtime_error(fb_last_error()), error);
-  return -1;
+  return find_name(fb_find_control, pose_.model().get(), name, error);
+}
+
+std::int64_t UnrealFace::find_driven_joint(const std::string& name, std::string& error) const noexcept {
+  return find_name(fb_find_driven_joint, pose_.model().get(), name, error);
+}
+
+bool UnrealFace::driven_joint_frame(std::uint32_t joint, float* frame) const {
+  if (joint >= driven_joints_.size()) return false;
+  const auto pose = pose_.current();
+  float moved[FB_FRAME_FLOATS];
+  skin_.move_frame(joint, pose->driven_joints.data() + static_cast<std::size_t>(FB_FRAME_FLOATS) * joint, moved);
+  axes_.convert_frame(moved, frame);
+  return true;
 }
 
 bool UnrealFace::set_joint_motion(std::uint32_t joint, const float* motion) {

@@ -7,6 +7,7 @@
 
 #include <facebaker/facebaker.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -21,6 +22,14 @@ namespace facebaker::unreal {
 
 /** A face from the bytes of an archive, to be shared by any number of UnrealFaces; null, and why, if they are none. */
 std::shared_ptr<const Model> load_archive(const void* bytes, std::size_t size, std::string& error) noexcept;
+
+/** A joint that the controls of a face move. */
+struct DrivenJoint {
+  std::string name;              ///< unique
+  std::int32_t parent = -1;      ///< index of its parent, less than its own; -1: none
+  std::uint32_t numbers = 0;     ///< FB_JOINT_... of facebaker_character.h, or-ed: how it moves within its parent
+  std::array<float, 12> rest{};  ///< its frame at rest, before a skeleton moves it: Unreal's axes and units
+};
 
 /** What a section of a mesh is drawn from: as many entries of three floats as it has vertices. */
 struct SectionBuffers {
@@ -46,6 +55,15 @@ class UnrealFace {
    * matrix for columns), in the space of the component. False if there is no such joint. */
   bool set_joint_motion(std::uint32_t joint, const float* motion);
 
+  /** Joints of the face that its controls drive, after their parents; there may be none. */
+  const std::vector<DrivenJoint>& driven_joints() const { return driven_joints_; }
+  /** The index of a driven joint by its name; -1, and the names there are, if there is none. */
+  std::int64_t find_driven_joint(const std::string& name, std::string& error) const noexcept;
+  /** Where a driven joint is, as of the last update() and of joint motions since: a frame in Unreal's axes and units,
+   * in the space of the component, moved by a skeleton as the vertices are that follow the joint. False if there is no
+   * such joint. */
+  bool driven_joint_frame(std::uint32_t joint, float* frame) const;
+
   /** Sections: the polygons of a mesh that have one material. Texture coordinates and triangles never change. */
   const std::vector<engine::RenderSurface>& sections() const { return sections_; }
   /** Of the same index, as of the last update(). */
@@ -68,6 +86,7 @@ class UnrealFace {
   engine::Axes axes_;
   engine::FacePose pose_;
   engine::LinearSkin skin_;
+  std::vector<DrivenJoint> driven_joints_;
   std::vector<engine::RenderSurface> sections_;
   std::vector<SectionBuffers> buffers_;
   std::vector<float> positions_, normals_, tangents_;  // of the skinned face, in the archive's axes

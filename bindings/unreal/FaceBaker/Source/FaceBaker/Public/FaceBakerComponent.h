@@ -22,8 +22,27 @@ class UnrealFace;
 /** A control was set to what is no number, or the archive is damaged. */
 DECLARE_DYNAMIC_MULTICAST_DELEGATE_OneParam(FFaceBakerFailed, const FString&, Message);
 
-/** Shows a baked face: poses it on the game thread, before skinning, moves it by the joints of a skeleton where the
- * archive has a skin, and fills mesh sections in place. */
+/** A joint that the controls of a face move: of a jaw, a tongue, an eye. */
+USTRUCT(BlueprintType)
+struct FFaceBakerDrivenJoint {
+  GENERATED_BODY()
+
+  UPROPERTY(BlueprintReadOnly, Category = "FaceBaker")
+  FString Name;
+  /** Index of its parent among the driven joints, less than its own; -1: none. */
+  UPROPERTY(BlueprintReadOnly, Category = "FaceBaker")
+  int32 Parent = -1;
+  /** How controls move it within its parent, along its own axes: turns about x, y, z are 1, 2, 4, moves 8, 16, 32,
+   * lengths 64, 128, 256, added up. */
+  UPROPERTY(BlueprintReadOnly, Category = "FaceBaker")
+  int32 Numbers = 0;
+  /** At rest, in the space of the component, before the skeleton moves it. */
+  UPROPERTY(BlueprintReadOnly, Category = "FaceBaker")
+  FTransform Rest;
+};
+
+/** Shows a baked face: poses it on the game thread, with the joints that its controls drive, moves it by the bones of a
+ * skeleton where the archive has a skin, and fills mesh sections in place. */
 UCLASS(ClassGroup = (Rendering), meta = (BlueprintSpawnableComponent))
 class FACEBAKER_API UFaceBakerComponent : public UProceduralMeshComponent {
   GENERATED_BODY()
@@ -72,6 +91,16 @@ class FACEBAKER_API UFaceBakerComponent : public UProceduralMeshComponent {
   /** Puts all controls at rest. */
   UFUNCTION(BlueprintCallable, Category = "FaceBaker")
   void ResetControls();
+  /** Joints that the controls drive, after their parents; there may be none. */
+  UFUNCTION(BlueprintCallable, Category = "FaceBaker")
+  TArray<FFaceBakerDrivenJoint> GetDrivenJoints() const;
+  /** The index of a driven joint for GetDrivenJoint; -1, and a log message with those there are, if there is none. */
+  UFUNCTION(BlueprintCallable, Category = "FaceBaker")
+  int32 FindDrivenJoint(const FString& Name);
+  /** Where a driven joint was at the last tick, in the space of the component, the skeleton having moved it as the
+   * vertices around it: for what hangs on a jaw or an eye, and for bones. The identity if there is no such joint. */
+  UFUNCTION(BlueprintCallable, Category = "FaceBaker")
+  FTransform GetDrivenJoint(int32 Index) const;
   /** Loads the asset anew. */
   UFUNCTION(BlueprintCallable, Category = "FaceBaker")
   void Reload();
