@@ -126,8 +126,11 @@ export class FaceBakerNodeMesh extends GpuFaceGroup {
 
   /** Reads the last pose back: positions and normals, 3 a vertex. For tests. */
   async read(renderer: WebGPURenderer): Promise<{ positions: Float32Array; normals: Float32Array }> {
-    const readOf = async ({ target }: NodePass) => this.unpack(
-      await renderer.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height) as Float32Array);
+    const readOf = async ({ target }: NodePass) => {
+      const { width, height } = target;
+      const texels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height) as Float32Array;
+      return this.unpack("isWebGLBackend" in renderer.backend ? turnRows(texels) : texels);
+    };
     return { positions: await readOf(this.positions), normals: await readOf(this.normals) };
   }
 
@@ -140,6 +143,13 @@ export class FaceBakerNodeMesh extends GpuFaceGroup {
 
 function isWebGPU(renderer: object): renderer is WebGPURenderer {
   return "isWebGPURenderer" in renderer;
+}
+
+// Of a texture, the last one first: with WebGL three.js' nodes write, and look up, render targets upside down.
+function turnRows(texels: Float32Array): Float32Array {
+  const row = 4 * textureWidth, turned = new Float32Array(texels.length);
+  for (let at = 0; at < texels.length; at += row) turned.set(texels.subarray(at, at + row), texels.length - at - row);
+  return turned;
 }
 
 // Rows of the largest texture; 0: there is no GPU yet, or none that writes floats.
