@@ -31,7 +31,7 @@ for archive in "$golden"/accepted/*.fbk "$root"/tests/golden/2.1/accepted/*.fbk 
   "$web/native_poses" dump "$archive" 256 "$dump"
   pairs="$pairs $archive=$dump"
 done
-for archive in "$golden"/rejected/*; do echo "$archive"; done >"$web/refused.list"
+for archive in "$golden"/rejected/* "$root"/tests/golden/2.1/rejected/*; do echo "$archive"; done >"$web/refused.list"
 # shellcheck disable=SC2046
 "$web/native_poses" refuse $(cat "$web/refused.list") | paste "$web/refused.list" - >"$web/refused.txt"
 

@@ -119,6 +119,23 @@ export interface Skin {
   readonly weights: Float32Array;
 }
 
+/** A way in which a driven joint moves, along an axis of its own frame at rest. */
+export type JointNumber =
+  "rotateX" | "rotateY" | "rotateZ" | "moveX" | "moveY" | "moveZ" | "scaleX" | "scaleY" | "scaleZ";
+
+/** A joint that the controls move, such as that of a jaw. It is a part of the face, inside of the skeleton of `joints`;
+ * where it is in a pose, `joints` of Outputs gives. */
+export interface DrivenJoint {
+  readonly name: string;
+  /** Index of its parent among these, less than its own, or -1. */
+  readonly parent: number;
+  /** How controls move it within its parent; none: with that only. */
+  readonly numbers: readonly JointNumber[];
+  /** Its frame at rest, in the space of positions, not of its parent: the upper three rows of a 4 x 4 matrix, row after
+   * row. */
+  readonly rest: readonly number[];
+}
+
 /** A level of detail. Level 0 is the whole. */
 export interface Level {
   /** The first so many in baked order (`vertexOrder`). */
@@ -157,6 +174,10 @@ export interface FaceContents {
   readonly exactPoses: readonly ExactPose[];
   readonly joints: readonly Joint[];
   readonly skin: Skin | null;
+  readonly drivenJoints: readonly DrivenJoint[];
+  /** What follows the driven joints. The weights of a vertex sum to at most 1: what is missing stays with what does not
+   * move. Those that are 0 come last. Null without driven joints. */
+  readonly drivenSkin: Skin | null;
   readonly levels: readonly Level[];
   readonly regions: Regions;
   /** The parts of the face that have a network of their own. */

@@ -77,6 +77,8 @@ export class Face implements FaceContents {
   get exactPoses() { return this.part("exactPoses", (r) => r.exactPoses()); }
   get joints() { return this.part("joints", (r) => r.joints()); }
   get skin() { return this.part("skin", (r) => r.skin()); }
+  get drivenJoints() { return this.part("drivenJoints", (r) => r.drivenJoints()); }
+  get drivenSkin() { return this.part("drivenSkin", (r) => r.drivenSkin()); }
   get levels() { return this.part("levels", (r) => r.levels()); }
   get regions() { return this.part("regions", (r) => r.regions()); }
   get networkRegions() { return this.part("networkRegions", (r) => r.networkRegions()); }
@@ -98,13 +100,13 @@ export class Face implements FaceContents {
   /** All of the contents, as a plain object that can be sent to another thread. */
   contents(): FaceContents {
     const { name, units, upAxis, diagonal, vertexCount, controlCount, coefficientCount, controls, meshes, uvs,
-            tangentSigns, materials, images, sockets, channels, exactPoses, joints, skin, levels, regions,
-            networkRegions, vertexOrder, provenance, about, thumbnail, instructionSet, runtimeBytes, restControls,
-            restPositions } = this;
+            tangentSigns, materials, images, sockets, channels, exactPoses, joints, skin, drivenJoints, drivenSkin,
+            levels, regions, networkRegions, vertexOrder, provenance, about, thumbnail, instructionSet, runtimeBytes,
+            restControls, restPositions } = this;
     return { name, units, upAxis, diagonal, vertexCount, controlCount, coefficientCount, controls, meshes, uvs,
-             tangentSigns, materials, images, sockets, channels, exactPoses, joints, skin, levels, regions,
-             networkRegions, vertexOrder, provenance, about, thumbnail, instructionSet, runtimeBytes, restControls,
-             restPositions };
+             tangentSigns, materials, images, sockets, channels, exactPoses, joints, skin, drivenJoints, drivenSkin,
+             levels, regions, networkRegions, vertexOrder, provenance, about, thumbnail, instructionSet, runtimeBytes,
+             restControls, restPositions };
   }
 
   /** The index of a control by its name, or else by its ARKit or FACS name. Throws a FaceBakerError that names the
@@ -140,7 +142,7 @@ export class Face implements FaceContents {
     return this.model.evaluateInPlace(controls);
   }
 
-  /** Poses the face and writes all arrays that `outputs` has: normals, tangents, sockets, ... */
+  /** Poses the face and writes all arrays that `outputs` has: normals, tangents, sockets, joints, ... */
   evaluateInto<Wanted extends Outputs>(controls: Float32Array, outputs: Wanted): Wanted {
     this.model.evaluateBatch(controls, 1, outputs);
     return outputs;
@@ -152,7 +154,9 @@ export class Face implements FaceContents {
     return outputs;
   }
 
-  /** The coefficients of a pose, all 0 at rest: what a GPU multiplies `rowBlocks` with. */
+  /** The coefficients of a pose, all 0 at rest: what a GPU multiplies `rowBlocks` with. Of a face with driven joints
+   * that gives positions before these move them. Where they are, `evaluateInto(controls, { joints, meshes: [] })` gives
+   * without evaluating vertices. */
   coefficients(controls: Float32Array,
                coefficients: Float32Array = new Float32Array(this.coefficientCount)): Float32Array {
     this.model.evaluateCoefficients(controls, coefficients);

@@ -1,4 +1,5 @@
-// The basis and the polygons around vertices as textures of one width, for any GPU interface.
+// The basis, the polygons around vertices and the skin of driven joints as textures of one width, for any GPU
+// interface.
 import type { FaceContents } from "./contents.js";
 import type { RowBlock } from "./row_blocks.js";
 
@@ -50,6 +51,25 @@ export function layOutBasis(face: Pick<FaceContents, "vertexCount" | "vertexOrde
   }
   for (let i = 0; i < 3 * face.vertexCount; ++i) rest[4 * Math.floor(i / 3) + (i % 3)] = face.restPositions[i]!;
   return { digits, blockOfVertex, rest, columns, scales, weights: new Float32Array(texels(columnCount)) };
+}
+
+export interface GpuSkin {
+  /** Of a vertex, in `influences`. */
+  readonly influenceCount: number;
+  /** Two a texel, by vertex in the source's order: a driven joint and its weight; those of weight 0 come last. */
+  readonly influences: Float32Array;
+  /** Room for what each driven joint of a pose does, less the identity: the upper three rows of a 4 x 4 matrix, a texel
+   * a row. */
+  readonly matrices: Float32Array;
+}
+
+/** Null of a face without driven joints. */
+export function layOutSkin(face: Pick<FaceContents, "drivenJoints" | "drivenSkin">): GpuSkin | null {
+  if (!face.drivenSkin) return null;
+  const { influences: influenceCount, joints, weights } = face.drivenSkin;
+  const influences = new Float32Array(2 * texels(joints.length));
+  joints.forEach((joint, i) => influences.set([joint, weights[i]!], 2 * i));
+  return { influenceCount, influences, matrices: new Float32Array(4 * texels(3 * face.drivenJoints.length)) };
 }
 
 export interface GpuCorners {

@@ -21,8 +21,28 @@ out vec4 result;
 uint thisVertex() { return uint(gl_FragCoord.y) * ${textureWidth}u + uint(gl_FragCoord.x); }
 `;
 
-/** Rest position plus the digits of the vertex times the weights of the pose. */
-export const positionShader = `${begin}
+// Where the driven joints that a vertex follows take it: core/archive/EVALUATION.md, "Driven joints".
+const skinning = (influenceCount: number) => `
+uniform sampler2D influences;
+uniform sampler2D matrices;
+vec3 skinned(uint vertex, vec3 at) {
+  vec4 x = vec4(0.0), y = vec4(0.0), z = vec4(0.0);
+  for (uint i = 0u; i < ${influenceCount}u; ++i) {
+    vec2 influence = texelFetch(influences, texel(vertex * ${influenceCount}u + i), 0).xy;
+    if (influence.y == 0.0) break;
+    uint row = 3u * uint(influence.x);
+    x += influence.y * texelFetch(matrices, texel(row), 0);
+    y += influence.y * texelFetch(matrices, texel(row + 1u), 0);
+    z += influence.y * texelFetch(matrices, texel(row + 2u), 0);
+  }
+  vec4 from = vec4(at, 1.0);
+  return at + vec3(dot(x, from), dot(y, from), dot(z, from));
+}
+`;
+
+/** Rest position plus the digits of the vertex times the weights of the pose, moved by the driven joints that the
+ * vertex follows, `influenceCount` at most. */
+export const positionShader = (influenceCount: number) => `${begin}${influenceCount > 0 ? skinning(influenceCount) : ""}
 uniform isampler2D digits;
 uniform usampler2D blocks;
 uniform sampler2D rest;
@@ -36,7 +56,8 @@ void main() {
     float weight = texelFetch(weights, texel(block.z + c), 0).r;
     if (weight != 0.0) moved += weight * vec3(texelFetch(digits, texel(block.x + c * block.y), 0).xyz);
   }
-  result = vec4(texelFetch(rest, texel(vertex), 0).xyz + moved, 1.0);
+  vec3 at = texelFetch(rest, texel(vertex), 0).xyz + moved;
+  result = vec4(${influenceCount > 0 ? "skinned(vertex, at)" : "at"}, 1.0);
 }
 `;
 

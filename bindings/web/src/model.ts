@@ -43,8 +43,10 @@ export interface EvaluateOptions {
   levelOnly?: boolean;
   /** The order in which vertices are written; "source" by default. */
   vertexOrder?: "source" | "baked";
-  /** Displacements from the rest pose in place of positions. */
+  /** Displacements from the rest pose in place of positions, before driven joints move vertices. */
   displacements?: boolean;
+  /** Positions, normals and tangents before driven joints move vertices, for a host that skins by itself. */
+  unskinned?: boolean;
   /** Indices of the meshes that are posed; the vertices of the others are left as they are. All by default. */
   meshes?: readonly number[];
   /** Indices of the regions whose networks run, see `networkRegions`. All by default. */
@@ -61,6 +63,8 @@ export interface Outputs extends EvaluateOptions {
   tangents?: Float32Array;
   /** 12 a socket: the upper three rows of a 4 x 4 matrix, row after row. */
   sockets?: Float32Array;
+  /** 12 a driven joint: its frame, the upper three rows of a 4 x 4 matrix, row after row, in the space of positions. */
+  joints?: Float32Array;
   /** One a channel. */
   channels?: Float32Array;
   /** 6: the smallest x, y and z, then the largest. */
@@ -71,7 +75,8 @@ export interface Outputs extends EvaluateOptions {
   outside?: Uint32Array;
 }
 
-type ArrayName = "positions" | "normals" | "tangents" | "sockets" | "channels" | "bounds" | "expectedErrors" | "outside";
+type ArrayName =
+  "positions" | "normals" | "tangents" | "sockets" | "joints" | "channels" | "bounds" | "expectedErrors" | "outside";
 
 // The members of fb_batch_desc for each output: address, size and stride between poses.
 const members: Record<ArrayName, { pointer: string; size?: string; stride?: string }> = {
@@ -79,6 +84,7 @@ const members: Record<ArrayName, { pointer: string; size?: string; stride?: stri
   normals: { pointer: "normals", size: "normal_numbers", stride: "normal_pose_stride" },
   tangents: { pointer: "tangents", size: "tangent_numbers", stride: "tangent_pose_stride" },
   sockets: { pointer: "sockets", size: "socket_floats", stride: "socket_pose_stride" },
+  joints: { pointer: "joints", size: "joint_floats", stride: "joint_pose_stride" },
   channels: { pointer: "channels", size: "channel_floats", stride: "channel_pose_stride" },
   bounds: { pointer: "bounds", size: "bounds_floats", stride: "bounds_pose_stride" },
   expectedErrors: { pointer: "expected_errors", size: "expected_error_floats", stride: "expected_error_pose_stride" },
@@ -113,8 +119,8 @@ export class Model {
     this.coefficientCount = count("fb_coefficient_count");
     this.sizes = {
       positions: 3 * this.vertexCount, normals: 3 * this.vertexCount, tangents: 3 * this.vertexCount,
-      sockets: 12 * count("fb_socket_count"), channels: count("fb_channel_count"), bounds: 6,
-      expectedErrors: 1 + count("fb_error_region_count"), outside: 1,
+      sockets: 12 * count("fb_socket_count"), joints: 12 * count("fb_driven_joint_count"),
+      channels: count("fb_channel_count"), bounds: 6, expectedErrors: 1 + count("fb_error_region_count"), outside: 1,
     };
     this.evaluateCall = heap.exports["fb_evaluate"]!;
     this.evaluateBatchCall = heap.exports["fb_evaluate_batch"]!;
@@ -221,6 +227,7 @@ export class Model {
     heap.setU32(struct, desc, "control_floats", count * n);
     heap.setU32(struct, desc, "vertex_order", outputs.vertexOrder === "baked" ? 1 : 0);
     heap.setU32(struct, desc, "displacements", outputs.displacements ? 1 : 0);
+    heap.setU32(struct, desc, "unskinned", outputs.unskinned ? 1 : 0);
     heap.setF32(struct, desc, "lod", outputs.lod ?? 0);
     heap.setU32(struct, desc, "level_only", outputs.levelOnly ? 1 : 0);
     if (outputs.meshes) this.setList(this.meshList, outputs.meshes, "meshes", "mesh_count");

@@ -1,12 +1,15 @@
 // Copies what a loaded face has out of the module's memory.
-import type { Channel, Control, ExactPose, FaceContents, Image, Joint, Level, Material, Mesh, Skin, Socket, Texture,
-              TextureSlot, Wrap } from "./contents.js";
+import type { Channel, Control, DrivenJoint, ExactPose, FaceContents, Image, Joint, JointNumber, Level, Material, Mesh,
+              Skin, Socket, Texture, TextureSlot, Wrap } from "./contents.js";
 import type { Heap, StructValues } from "./heap.js";
 import { fanTriangles } from "./polygons.js";
 
 const slots: readonly TextureSlot[] = ["baseColour", "metallicRoughness", "normal", "occlusion", "emissive"];
 const wraps: readonly Wrap[] = ["repeat", "clamp", "mirror"];
 const alphaModes = ["opaque", "mask", "blend"] as const;
+/** By bit. */
+const jointNumbers: readonly JointNumber[] =
+  ["rotateX", "rotateY", "rotateZ", "moveX", "moveY", "moveZ", "scaleX", "scaleY", "scaleZ"];
 const orNone = (index: number): number => (index === 0xffffffff ? -1 : index);
 
 /** Reads the parts of one model, each when it is asked for. */
@@ -120,11 +123,21 @@ export class ContentsReader {
     return this.all("joint", (j) => ({ name: j.name, parent: orNone(j.parent), rest: j.rest,
                                        inverseBind: j.inverse_bind }));
   }
-  skin(): Skin | null {
-    const influences = this.count("fb_skin_influences"), count = influences * this.count("fb_vertex_count");
+  private skinOf(influences: number, joints: string, weights: string): Skin | null {
     if (influences === 0) return null;
-    return { influences, joints: this.heap.copyU16(this.heap.call("fb_skin_joints", this.model), count),
-             weights: this.floats("fb_skin_weights", count) };
+    const count = influences * this.count("fb_vertex_count");
+    return { influences, joints: this.heap.copyU16(this.heap.call(joints, this.model), count),
+             weights: this.floats(weights, count) };
+  }
+  skin(): Skin | null {
+    return this.skinOf(this.count("fb_skin_influences"), "fb_skin_joints", "fb_skin_weights");
+  }
+  drivenJoints(): DrivenJoint[] {
+    return this.all("driven_joint", (j) => ({ name: j.name, parent: orNone(j.parent), rest: j.rest,
+                                              numbers: jointNumbers.filter((_, bit) => (j.numbers >>> bit) & 1) }));
+  }
+  drivenSkin(): Skin | null {
+    return this.skinOf(this.count("fb_driven_influences"), "fb_driven_skin_joints", "fb_driven_skin_weights");
   }
   regions(): FaceContents["regions"] {
     const names = this.texts("error_region");

@@ -2,7 +2,7 @@ import type { Heap } from "./heap.js";
 
 /** Consecutive rows of the basis that use the same coefficients. Row 3 i + axis is coordinate `axis` of vertex i in
  * baked order (`vertexOrder`). Its displacement is the sum over the columns c of
- * coefficients[columns[c]] * scales[c] * digits[c * rowCount + row]. */
+ * coefficients[columns[c]] * scales[c] * digits[c * rowCount + row], before driven joints move the vertex. */
 export interface RowBlock {
   readonly firstRow: number;
   readonly rowCount: number;
@@ -16,9 +16,6 @@ export interface RowBlock {
 
 export function readRowBlocks(heap: Heap, model: number): RowBlock[] {
   const blocks: RowBlock[] = [];
-  if (heap.call('fb_driven_joint_count', model) > 0)
-    throw new Error(
-        'the face has joints that its controls drive: a GPU that only multiplies its basis would not move them');
   const count = heap.call("fb_row_block_count", model);
   for (let index = 0; index < count; ++index) {
     const block = heap.fill("fb_row_block", (to) => heap.check("fb_row_block_at", model, index, to));

@@ -1,7 +1,7 @@
-/** A face whose vertices a GPU moves. The processor computes the coefficients of a pose, some thousand numbers; the basis
- * lies in a texture as it is stored, a byte a number. A pass writes positions to a texture, once for each vertex
- * of the face, a second one normals; the vertices of the meshes look theirs up, in every pass that draws them, shadows
- * too.
+/** A face whose vertices a GPU moves. The processor computes the coefficients of a pose, some thousand numbers, and
+ * where its driven joints are; the basis lies in a texture as it is stored, a byte a number. A pass writes positions to
+ * a texture, once for each vertex of the face, a second one normals; the vertices of the meshes look theirs up, in
+ * every pass that draws them, shadows too.
  *
  * Positions differ from those of Face.evaluate by rounding, and exact poses are not corrected (coefficients are without
  * that). */
@@ -68,7 +68,7 @@ export class FaceBakerGpuMesh extends GpuFaceGroup {
     around.internalFormat = polygons.internalFormat = "RG32UI";
     const uniforms = Object.fromEntries(Object.entries(this.textures).map(([name, value]) => [name, { value }]));
     uniforms["vertexCount"] = { value: face.vertexCount as never };
-    this.positions = new VertexPass(face.vertexCount, positionShader, uniforms);
+    this.positions = new VertexPass(face.vertexCount, positionShader(this.influenceCount), uniforms);
     this.normals = new VertexPass(face.vertexCount, normalShader,
                                   { ...uniforms, positions: { value: this.positions.target.texture } });
     const depth = new MeshDepthMaterial({ depthPacking: RGBADepthPacking }), distance = new MeshDistanceMaterial();
@@ -91,7 +91,7 @@ export class FaceBakerGpuMesh extends GpuFaceGroup {
       .replace("#include <begin_vertex>", "vec3 transformed = texelFetch(facePositions, faceTexel(), 0).xyz;");
   }
 
-  /** Poses the face: coefficients here, everything else on the renderer's GPU. */
+  /** Poses the face: coefficients and driven joints here, everything else on the renderer's GPU. */
   update(controls: Float32Array, renderer: WebGLRenderer): void {
     if (!isWebGL(renderer))
       throw new Error('FaceBakerGpuMesh: this is no WebGLRenderer; "facebaker/three-webgpu" is for WebGPURenderer');

@@ -1,10 +1,12 @@
 // What faces whose vertices a GPU moves have in common: the basis in a texture, meshes that name the vertex of the face
-// that each vertex is, the weights of a pose.
+// that each vertex is, the weights of a pose and what its driven joints do.
 import { BufferAttribute, BufferGeometry, DataTexture, NearestFilter, Sphere, Vector3, FloatType, RedFormat, RGBAFormat,
-         RGBAIntegerFormat, RGIntegerFormat, UnsignedIntType, type MeshStandardMaterial, type MeshStandardMaterialParameters } from "three";
+         RGBAIntegerFormat, RGFormat, RGIntegerFormat, UnsignedIntType, type MeshStandardMaterial,
+         type MeshStandardMaterialParameters } from "three";
 import type { Face } from "./face.js";
-import { layOutBasis, layOutCorners, textureWidth, type GpuBasis } from "./gpu_layout.js";
+import { layOutBasis, layOutCorners, layOutSkin, textureWidth, type GpuBasis } from "./gpu_layout.js";
 import { renderMeshes } from "./render_mesh.js";
+import { DrivenMatrices } from "./three_driven_joints.js";
 import { FaceGroup, type FaceGroupOptions, type FaceMesh } from "./three_group.js";
 
 /** Textures that the passes read. Those of the digits differ. */
@@ -15,6 +17,9 @@ export interface GpuTextures {
   readonly around: DataTexture;
   readonly polygons: DataTexture;
   readonly weights: DataTexture;
+  // Of a face with driven joints:
+  readonly influences?: DataTexture;
+  readonly matrices?: DataTexture;
 }
 
 /** A texture of gpu_layout.ts, `size` numbers a texel. */
@@ -31,18 +36,23 @@ export abstract class GpuFaceGroup extends FaceGroup {
   /** Bytes of the basis in its texture. */
   readonly basisBytes: number;
   protected readonly textures: GpuTextures;
+  /** Driven joints that a vertex follows at most; 0 without any. */
+  protected readonly influenceCount: number;
   private readonly basis: GpuBasis;
   private readonly coefficients: Float32Array;
+  private readonly driven: DrivenMatrices | null;
 
   /** `makeDigits`: a texture of them that the passes can read. */
   protected constructor(
       protected readonly face: Face, options: FaceGroupOptions, makeDigits: (digits: Int8Array) => DataTexture,
       Material?: new (parameters: MeshStandardMaterialParameters) => MeshStandardMaterial) {
     super(face, options, Material);
-    const basis = layOutBasis(face), corners = layOutCorners(face);
+    const basis = layOutBasis(face), corners = layOutCorners(face), skin = layOutSkin(face);
     this.basis = basis;
     this.basisBytes = basis.digits.length;
     this.coefficients = new Float32Array(face.coefficientCount);
+    this.driven = skin && new DrivenMatrices(face, skin.matrices);
+    this.influenceCount = skin?.influenceCount ?? 0;
     this.textures = {
       digits: makeDigits(basis.digits),
       blocks: dataTexture(basis.blockOfVertex, 4, RGBAIntegerFormat, UnsignedIntType),
@@ -50,6 +60,8 @@ export abstract class GpuFaceGroup extends FaceGroup {
       around: dataTexture(corners.around, 2, RGIntegerFormat, UnsignedIntType),
       polygons: dataTexture(corners.polygons, 2, RGIntegerFormat, UnsignedIntType),
       weights: dataTexture(basis.weights, 1, RedFormat, FloatType),
+      ...(skin && { influences: dataTexture(skin.influences, 2, RGFormat, FloatType),
+                    matrices: dataTexture(skin.matrices, 4, RGBAFormat, FloatType) }),
     };
     this.meshes = this.makeMeshes();
   }
@@ -77,7 +89,8 @@ export abstract class GpuFaceGroup extends FaceGroup {
     });
   }
 
-  /** Computes the weights of a pose, for a GPU whose textures have at most so many rows. */
+  /** Computes the weights of a pose and the matrices of its driven joints, for a GPU whose textures have at most so
+   * many rows. */
   protected weigh(controls: Float32Array, mostRows: number): void {
     const { basis, coefficients, textures } = this;
     for (const [name, { image }] of Object.entries(textures) as [string, { image: { height: number } }][])
@@ -87,6 +100,8 @@ export abstract class GpuFaceGroup extends FaceGroup {
     for (let i = 0; i < basis.columns.length; ++i)
       basis.weights[i] = coefficients[basis.columns[i]!]! * basis.scales[i]!;
     textures.weights.needsUpdate = true;
+    this.driven?.update(controls);
+    if (textures.matrices) textures.matrices.needsUpdate = true;
   }
 
   /** What a pass has written, 3 numbers a vertex, from texels of 4. */

@@ -5,8 +5,8 @@
 import { FloatType, MeshStandardNodeMaterial, NearestFilter, NodeMaterial, QuadMesh, RenderTarget, RGBAFormat, UnsignedByteType,
          type DataTexture, type MeshStandardMaterial, type MeshStandardMaterialParameters, type Node, type SkinnedMesh,
          type Texture, type WebGPURenderer } from "three/webgpu";
-import { attribute, cross, Fn, If, int, ivec2, length, Loop, normalLocal, positionLocal, screenCoordinate, skinning, textureLoad,
-         uint, vec3, vec4 } from "three/tsl";
+import { attribute, Break, cross, dot, Fn, If, int, ivec2, length, Loop, normalLocal, positionLocal, screenCoordinate,
+         skinning, textureLoad, uint, vec3, vec4 } from "three/tsl";
 import type { Face } from "./face.js";
 import { textureWidth } from "./gpu_layout.js";
 import { GpuFaceGroup, dataTexture, type GpuTextures } from "./three_gpu_group.js";
@@ -22,8 +22,24 @@ const integers = (texture: Texture, index: Uint) => load(texture, index) as unkn
 const thisVertex = (): Uint =>
   uint(screenCoordinate.y).mul(uint(textureWidth)).add(uint(screenCoordinate.x)).toVar() as unknown as Uint;
 
-/** Rest position plus the digits of the vertex times the weights of the pose. */
-const positionOf = ({ digits, blocks, rest, weights }: GpuTextures) => Fn(() => {
+/** Where the driven joints that a vertex follows take it: core/archive/EVALUATION.md, "Driven joints". */
+function skinned(vertex: Uint, at: Node<"vec3">, influences: Texture, matrices: Texture,
+                 influenceCount: number): Node<"vec3"> {
+  const [x, y, z] = [vec4(0).toVar(), vec4(0).toVar(), vec4(0).toVar()] as const;
+  Loop({ start: uint(0), end: uint(influenceCount), type: "uint", condition: "<" }, ({ i }) => {
+    const influence = load(influences, vertex.mul(uint(influenceCount)).add(i as unknown as Uint)).toVar();
+    If(influence.y.equal(0), () => { Break(); });
+    const row = uint(influence.x).mul(3).toVar() as unknown as Uint;
+    [x, y, z].forEach((sum, axis) => sum.addAssign(load(matrices, row.add(uint(axis))).mul(influence.y)));
+  });
+  const from = vec4(at, 1).toVar();
+  return at.add(vec3(dot(x, from), dot(y, from), dot(z, from)));
+}
+
+/** Rest position plus the digits of the vertex times the weights of the pose, moved by the driven joints that the
+ * vertex follows, `influenceCount` at most. */
+const positionOf = (textures: GpuTextures, influenceCount: number) => Fn(() => {
+  const { digits, blocks, rest, weights, influences, matrices } = textures;
   const vertex = thisVertex(), block = integers(blocks, vertex).toVar(), moved = vec3(0).toVar();
   Loop({ start: uint(0), end: block.w, type: "uint", condition: "<" }, ({ i }) => {
     const c = i as unknown as Uint, weight = load(weights, block.z.add(c)).r.toVar();
@@ -32,7 +48,8 @@ const positionOf = ({ digits, blocks, rest, weights }: GpuTextures) => Fn(() => 
       moved.addAssign(stored.mul(255).round().sub(128).mul(weight));
     });
   });
-  return vec4(load(rest, vertex).xyz.add(moved), 1);
+  const at = load(rest, vertex).xyz.add(moved).toVar();
+  return vec4(influences && matrices ? skinned(vertex, at, influences, matrices, influenceCount) : at, 1);
 })();
 
 /** The normalised sum of the area vectors of the polygons around a vertex. */
@@ -90,7 +107,7 @@ export class FaceBakerNodeMesh extends GpuFaceGroup {
   constructor(face: Face, options: FaceGroupOptions = {}) {
     super(face, options, digitTexture, MeshStandardNodeMaterial as unknown as
       new (parameters: MeshStandardMaterialParameters) => MeshStandardMaterial);
-    this.positions = new NodePass(face.vertexCount, positionOf(this.textures));
+    this.positions = new NodePass(face.vertexCount, positionOf(this.textures, this.influenceCount));
     this.normals = new NodePass(face.vertexCount, normalOf(this.positions.target.texture, this.textures));
     const position = this.lookUp();
     for (const material of this.materials as unknown as MeshStandardNodeMaterial[]) material.positionNode = position;
@@ -109,7 +126,7 @@ export class FaceBakerNodeMesh extends GpuFaceGroup {
     return (Fn as unknown as (of: typeof found) => () => Node<"vec3">)(found)();
   }
 
-  /** Poses the face: coefficients here, everything else on the renderer's GPU. */
+  /** Poses the face: coefficients and driven joints here, everything else on the renderer's GPU. */
   update(controls: Float32Array, renderer: WebGPURenderer): void {
     if (!isWebGPU(renderer))
       throw new Error('FaceBakerNodeMesh: this is no WebGPURenderer; "facebaker/three-gpu" is for WebGLRenderer');

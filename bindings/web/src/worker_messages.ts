@@ -35,7 +35,8 @@ export type Answer =
   | { id: number; error: { message: string; status?: number; statusName?: string } }
   | { id: number; loaded: number; total: number };
 
-const arrays = ["positions", "normals", "tangents", "sockets", "channels", "bounds", "expectedErrors", "outside"] as const;
+const arrays = ["positions", "normals", "tangents", "sockets", "joints", "channels", "bounds", "expectedErrors",
+                "outside"] as const;
 
 /** The buffers of the arrays of outputs, to be moved instead of copied. */
 export function outputBuffers(outputs: Outputs): ArrayBuffer[] {

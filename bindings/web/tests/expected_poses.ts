@@ -12,12 +12,16 @@ export interface ExpectedPoses {
   channels?: Float32Array;
   expectedErrors?: Float32Array;
   outside?: Uint32Array;
+  /** Frames of driven joints, and positions before these move vertices. */
+  joints?: Float32Array;
+  unskinned?: Float32Array;
 }
 
 export function readExpectedPoses(buffer: ArrayBuffer): ExpectedPoses {
-  const [poses, controls, vertices, coefficients, sockets, channels, errors, hasUvs] =
-    new Uint32Array(buffer, 0, 8) as unknown as [number, number, number, number, number, number, number, number];
-  let at = 32;
+  const header = new Uint32Array(buffer, 0, 9);
+  const [poses, controls, vertices, coefficients, sockets, channels, errors, hasUvs, joints] =
+    header as unknown as [number, number, number, number, number, number, number, number, number];
+  let at = header.byteLength;
   const floats = (count: number) => {
     const array = new Float32Array(buffer, at, poses * count);
     at += array.byteLength;
@@ -33,6 +37,11 @@ export function readExpectedPoses(buffer: ArrayBuffer): ExpectedPoses {
   if (errors) {
     read.expectedErrors = floats(errors);
     read.outside = new Uint32Array(buffer, at, poses);
+    at += read.outside.byteLength;
+  }
+  if (joints) {
+    read.joints = floats(12 * joints);
+    read.unskinned = floats(3 * vertices);
   }
   return read;
 }

@@ -70,9 +70,9 @@ static void dump(const char* path, uint32_t poses, const char* out) {
   const uint32_t vertices = fb_vertex_count(model), coefficients = fb_coefficient_count(model),
                  sockets = fb_socket_count(model), channels = fb_channel_count(model),
                  errors = fb_error_region_count(model) > 0 ? 1 + fb_error_region_count(model) : 0,
-                 has_uvs = fb_uv_count(model) > 0,
-                 header[] = {poses,  fb_control_count(model), vertices, coefficients, sockets, channels, errors,
-                             has_uvs};
+                 has_uvs = fb_uv_count(model) > 0, joints = fb_driven_joint_count(model),
+                 header[] = {poses, fb_control_count(model), vertices, coefficients, sockets, channels, errors, has_uvs,
+                             joints};
   float* const controls = draw_poses(model, poses);
   const uint64_t surface = 3 * (uint64_t)vertices * poses;
   fb_batch_desc desc;
@@ -88,7 +88,16 @@ static void dump(const char* path, uint32_t poses, const char* out) {
   if (errors) desc.expected_errors = allocate(sizeof(float) * (desc.expected_error_floats = (uint64_t)errors * poses));
   if (errors) desc.outside = allocate(sizeof(uint32_t) * poses);
   desc.bounds = allocate(sizeof(float) * (desc.bounds_floats = 6 * (uint64_t)poses));
+  if (joints) desc.joints = allocate(sizeof(float) * (desc.joint_floats = 12 * (uint64_t)joints * poses));
   check(fb_evaluate_batch(model, scratch, &desc));
+  fb_batch_desc unskinned;
+  fb_batch_desc_init(&unskinned);
+  unskinned.poses = poses;
+  unskinned.controls = controls;
+  unskinned.control_floats = desc.control_floats;
+  unskinned.positions = allocate(sizeof(float) * (unskinned.position_floats = surface));
+  unskinned.unskinned = 1;
+  if (joints) check(fb_evaluate_batch(model, scratch, &unskinned));
   float* const posed = allocate(sizeof(float) * poses * coefficients);
   for (uint32_t p = 0; p < poses; ++p)
     check(fb_evaluate_coefficients(model, scratch, controls + (size_t)p * header[1], posed + (size_t)p * coefficients));
@@ -105,6 +114,8 @@ static void dump(const char* path, uint32_t poses, const char* out) {
   if (channels) fwrite(desc.channels, sizeof(float), desc.channel_floats, file);
   if (errors) fwrite(desc.expected_errors, sizeof(float), desc.expected_error_floats, file);
   if (errors) fwrite(desc.outside, sizeof(uint32_t), poses, file);
+  if (joints) fwrite(desc.joints, sizeof(float), desc.joint_floats, file);
+  if (joints) fwrite(unskinned.positions, sizeof(float), surface, file);
   if (fclose(file) != 0) exit(3);
 }
 

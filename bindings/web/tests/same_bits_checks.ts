@@ -25,11 +25,17 @@ export function checkSameBits(face: Face, expected: ExpectedPoses): string {
             expected.coefficients.subarray(p * coefficients.length, (p + 1) * coefficients.length));
   }
   const outputs: Outputs = {};
-  const names = ["positions", "normals", "tangents", "bounds", "sockets", "channels", "expectedErrors"] as const;
+  const names = ["positions", "normals", "tangents", "bounds", "sockets", "joints", "channels",
+                 "expectedErrors"] as const;
   for (const name of names) if (expected[name]) outputs[name] = new Float32Array(expected[name].length);
   if (expected.outside) outputs.outside = new Uint32Array(poses);
   face.evaluateBatch(expected.controls, poses, outputs);
   for (const name of [...names, "outside"] as const)
     if (expected[name]) compare(`${name} of the batch`, outputs[name]!, expected[name]);
+  if (expected.unskinned) {
+    const { positions } = face.evaluateBatch(expected.controls, poses,
+                                             { positions: new Float32Array(poses * size), unskinned: true });
+    compare("positions before driven joints", positions, expected.unskinned);
+  }
   return `${poses} poses, ${face.meshes.length} meshes, ${face.instructionSet}`;
 }

@@ -3,6 +3,8 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
 import { FaceBakerError, load } from "facebaker";
+import { Vector3 } from "three";
+import { frame } from "./frame_matrix.js";
 
 const golden = process.env["FB_GOLDEN"]!;
 const open = (name: string) => load(`${golden}/accepted/${name}.fbk`);
@@ -72,10 +74,43 @@ test("controls and arrays that are wrong are refused", async () => {
   assert.throws(() => face.evaluate(controls), /disposed/);
 });
 
+test("vertices follow the driven joints from where they are before", async () => {
+  const face = await open("../../2.1/accepted/driven"), { drivenJoints, drivenSkin, vertexCount } = face;
+  assert(drivenJoints.length > 1 && drivenSkin !== null);
+  drivenJoints.forEach(({ name, parent, numbers, rest }, index) => {
+    assert(name !== "" && parent >= -1 && parent < index && rest.length === 12);
+    assert(numbers.every((number) => /^(rotate|move|scale)[XYZ]$/.test(number)));
+  });
+  assert(drivenJoints.some(({ parent }) => parent >= 0) && drivenJoints.some(({ numbers }) => numbers.length > 1));
+  assert.deepEqual((await open("character")).drivenJoints, []);
+  assert.equal((await open("character")).drivenSkin, null);
+
+  const controls = face.createPose(), places = () => ({ joints: new Float32Array(12 * drivenJoints.length) });
+  assert.deepEqual(Array.from(face.evaluateInto(controls, places()).joints), drivenJoints.flatMap(({ rest }) => rest));
+  controls.set(face.controls.map(({ minimum, maximum }) => minimum + 0.7 * (maximum - minimum)));
+  const unskinned = { positions: new Float32Array(3 * vertexCount), unskinned: true };
+  const before = face.evaluateInto(controls, { ...unskinned, ...places() });
+  const after = face.evaluate(controls), { influences, joints, weights } = drivenSkin;
+  assert.deepEqual(face.evaluateInto(controls, { ...places(), meshes: [] }).joints, before.joints);
+  const moves = drivenJoints.map(({ rest }, joint) => frame(before.joints, 12 * joint).multiply(frame(rest).invert()));
+  let furthest = 0;
+  for (let v = 0; v < vertexCount; ++v) {
+    const from = new Vector3().fromArray(before.positions, 3 * v), to = from.clone();
+    for (let i = influences * v; i < influences * (v + 1); ++i)
+      to.addScaledVector(from.clone().applyMatrix4(moves[joints[i]!]!).sub(from), weights[i]!);
+    assert(to.distanceTo(new Vector3().fromArray(after, 3 * v)) < 1e-6 * face.diagonal, `vertex ${v}`);
+    furthest = Math.max(furthest, to.distanceTo(from));
+  }
+  assert(furthest > 0.01 * face.diagonal, `joints move vertices by ${furthest}`);
+  face.dispose();
+});
+
 test("row blocks times coefficients are the displacements", async () => {
-  for (const name of ["character", "regular", "rows-5"]) {
+  for (const name of ["character", "regular", "rows-5", "../../2.1/accepted/driven"]) {
     const face = await open(name), controls = face.createPose().fill(0.8), order = face.vertexOrder;
-    const coefficients = face.coefficients(controls), expected = face.evaluate(controls);
+    const coefficients = face.coefficients(controls);
+    const { positions: expected } = face.evaluateInto(controls, { positions: new Float32Array(3 * face.vertexCount),
+                                                                  unskinned: true });
     const moved = Float64Array.from(face.restPositions);
     let rows = 0;
     for (const { firstRow, rowCount, columns, scales, digits } of face.rowBlocks) {

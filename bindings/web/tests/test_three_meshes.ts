@@ -6,6 +6,7 @@ import { renderMeshes, scatter } from "facebaker/geometry";
 import { FaceBakerMesh } from "facebaker/three";
 import { FaceBakerGpuMesh } from "facebaker/three-gpu";
 import { Bone, Box3, Group, Matrix4, Object3D, Scene, Texture, Vector3 } from "three";
+import { frame } from "./frame_matrix.js";
 
 const golden = process.env["FB_GOLDEN"]!;
 
@@ -76,10 +77,6 @@ test("a mesh that is disposed of stays in the scene, and can be posed and drawn 
   }
   face.dispose();
 });
-
-const frame = (f: ArrayLike<number>, at = 0): Matrix4 =>
-  new Matrix4().set(...(Array.from({ length: 12 }, (_, i) => f[at + i]) as [number, number, number, number, number, number,
-    number, number, number, number, number, number]), 0, 0, 0, 1);
 
 // What facebaker.h says of skins: the sum over the influences of weight * (where the joint is) * inverse_bind.
 function skinned(face: FaceContents, places: readonly Matrix4[], vertex: number, posed: Float32Array): Vector3 {

@@ -4,7 +4,7 @@ import test from "node:test";
 import { FaceBakerError, load } from "facebaker";
 import { load as loadInWorker } from "facebaker/worker";
 
-const path = `${process.env["FB_GOLDEN"]}/accepted/character.fbk`;
+const golden = process.env["FB_GOLDEN"]!, path = `${golden}/accepted/character.fbk`;
 
 test("a worker poses, and buffers come back", async () => {
   const here = await load(path), there = await loadInWorker(path), controls = here.createPose().fill(0.7);
@@ -22,6 +22,19 @@ test("a worker poses, and buffers come back", async () => {
   order.forEach((found, i) => assert.deepEqual(found, here.evaluate(here.createPose().fill(i / 2))));
   await there.dispose();
   await assert.rejects(there.evaluate(controls));
+  here.dispose();
+});
+
+test("a worker has the driven joints and gives their frames", async () => {
+  const archive = `${golden}/../2.1/accepted/driven.fbk`;
+  const here = await load(archive), there = await loadInWorker(archive), controls = here.createPose().fill(0.7);
+  assert.deepEqual(there.contents, here.contents());
+  const outputs = () => ({ joints: new Float32Array(12 * here.drivenJoints.length),
+                           positions: new Float32Array(3 * here.vertexCount), unskinned: true });
+  const mine = outputs(), found = await there.evaluateInto(controls, mine);
+  assert.equal(mine.joints.length, 0); // moved, not copied
+  assert.deepEqual(found, here.evaluateInto(controls, outputs()));
+  await there.dispose();
   here.dispose();
 });
 

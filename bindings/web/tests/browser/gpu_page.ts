@@ -24,6 +24,9 @@ export interface GpuDifference {
   brightness: number;
   /** Bones of the skin that were turned for the picture. */
   bones: number;
+  /** Driven joints, and how far they move a vertex at most, over the diagonal. */
+  joints: number;
+  moved: number;
   basisBytes: number;
   poses: number;
   /** What classes say of this renderer: that they can draw with it. */
@@ -97,6 +100,10 @@ function comparePose(result: GpuDifference, face: Face, found: Posed, expected: 
     const at = (values: Float32Array, from: number) => [0, 1, 2].map((axis) => values[from + 3 * v + axis]!);
     const a = at(found.positions, 0), b = at(expected.positions, first);
     result.position = Math.max(result.position, Math.hypot(...a.map((x, i) => x - b[i]!)) / face.diagonal);
+    if (expected.unskinned) {
+      const before = at(expected.unskinned, first);
+      result.moved = Math.max(result.moved, Math.hypot(...a.map((x, i) => x - before[i]!)) / face.diagonal);
+    }
     const x = at(found.normals, 0), y = at(expected.normals, first);
     const [sx, sy, sz] = [x[1]! * y[2]! - x[2]! * y[1]!, x[2]! * y[0]! - x[0]! * y[2]!, x[0]! * y[1]! - x[1]! * y[0]!];
     const angle = Math.atan2(Math.hypot(sx, sy, sz), x[0]! * y[0]! + x[1]! * y[1]! + x[2]! * y[2]!);
@@ -147,7 +154,7 @@ export async function drawOnGpu(archive: string, dump: string, kind: string, pos
   const { mesh, renderer } = drawing;
   const result: GpuDifference = {
     backend: drawing.backend, position: 0, normal: 0, picture: 0, differing: 0, covered: 0, brightness: 0, bones: 0,
-    basisBytes: mesh.basisBytes, poses,
+    joints: face.drivenJoints.length, moved: 0, basisBytes: mesh.basisBytes, poses,
     supported: { webgl: FaceBakerGpuMesh.isSupported(renderer), webgpu: FaceBakerNodeMesh.isSupported(renderer) },
   };
   for (let p = 0; p < poses; ++p) {

@@ -29,21 +29,24 @@ try {
   assert.match(await call("refuses", "/nothing.fbk"), /FB_ERROR_IO: .*404/);
   console.log("broken and missing archives are refused");
   const body = faces.find(({ name }) => name === "body")!; // with a skin
-  for (const { name, archive, dump } of new Set([character, body, faces.at(-1)!]))
+  const driven = faces.find(({ name }) => name === "driven")!; // with driven joints
+  for (const { name, archive, dump } of new Set([character, body, driven, faces.at(-1)!]))
     for (const kind of ["webgl", "webgpu", "webgpu-webgl2"]) {
       const gpu = await call<GpuDifference>("drawOnGpu", archive, dump, kind, kind === "webgl" ? 64 : 8);
       console.log(`${name} on the GPU: ${JSON.stringify(gpu)}`);
       await page.screenshot({ path: `${web}gpu-${name}-${kind}.png`, timeout: 120_000 });
       assert.equal(gpu.backend, kind);
       assert.deepEqual(gpu.supported, { webgl: kind === "webgl", webgpu: kind !== "webgl" });
-      assert(gpu.position < 5e-5, `positions differ by ${gpu.position} of the diagonal`);
+      assert(gpu.position < (gpu.joints > 0 ? 1e-5 : 5e-5), `positions differ by ${gpu.position} of the diagonal`);
       assert(gpu.normal < 0.5, `normals differ by ${gpu.normal} degrees`);
       assert(gpu.covered > 1000 && gpu.brightness > 20 && gpu.differing < 0.002, "the pictures differ");
       assert.equal(gpu.bones > 0, name === "body");
+      assert(name !== "driven" || gpu.moved > 0.05, `joints move vertices by ${gpu.moved} of the diagonal`);
     }
   assert.deepEqual(errors.filter((text) => !text.includes("404")), []);
 } finally {
   await close();
 }
-await checkDocsPage(process.env["FB_DOCS_PAGE"]!, faces.at(-1)!.file);
+const withItsControl = faces.find(({ name }) => name === "character")!;
+await checkDocsPage(process.env["FB_DOCS_PAGE"]!, withItsControl.file);
 console.log("the page of docs/browser.md shows a face that moves");
