@@ -41,8 +41,13 @@ else
 fi
 masked=$work/masked.fbk
 if [ ! -f "$masked" ]; then
-  node "$here/tests/make_masked.mjs" "$work/masked.glb"
+  node "$here/tests/make_glb.mjs" masked "$work/masked.glb"
   "$tool" bake "$work/masked.glb" --recipe linear --out "$masked" >/dev/null
+fi
+jaw=$work/jaw.fbk # with a driven joint
+if [ ! -f "$jaw" ]; then
+  node "$here/tests/make_glb.mjs" jaw "$work/jaw.glb"
+  "$tool" bake "$work/jaw.glb" --joints controls --recipe compact --poses 200 --epochs 1 --out "$jaw" >/dev/null
 fi
 export VIEWER_MASKED="$masked"
 export FACEBAKER="$tool" VIEWER_PAGE="$page" VIEWER_FACE="$face" VIEWER_SOURCE="$source" VIEWER_PICTURES="$work/pictures"
@@ -58,6 +63,7 @@ dump() {
 }
 dump "$face" "$work/poses"
 dump "$character" "$work/character"
+dump "$jaw" "$work/jaw"
 
 [ $# -gt 0 ] || export VIEWER_DATA="$work/data" # of the sample face
 if [ ! -f "$work/reports/eval/index.html" ]; then
@@ -70,6 +76,6 @@ fi
 
 cd "$work"
 export VIEWER_POSES="$work/poses" VIEWER_CHARACTER="$character" VIEWER_CHARACTER_POSES="$work/character" \
-  VIEWER_REPORTS="$work/reports"
+  VIEWER_JAW="$jaw" VIEWER_JAW_SOURCE="$work/jaw.glb" VIEWER_JAW_POSES="$work/jaw" VIEWER_REPORTS="$work/reports"
 node --test --test-concurrency=1 --test-name-pattern="${VIEWER_ONLY:-.}" viewer.test.mjs reports.test.mjs
 echo "pictures: $work/pictures"

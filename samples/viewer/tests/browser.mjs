@@ -18,6 +18,9 @@ export const settings = {
   character: process.env.VIEWER_CHARACTER,
   masked: process.env.VIEWER_MASKED,
   characterPoses: process.env.VIEWER_CHARACTER_POSES,
+  jaw: process.env.VIEWER_JAW,
+  jawSource: process.env.VIEWER_JAW_SOURCE,
+  jawPoses: process.env.VIEWER_JAW_POSES,
   reports: process.env.VIEWER_REPORTS,
   pictures: process.env.VIEWER_PICTURES,
 };

@@ -100,6 +100,47 @@ async function compareBits(t, face, poses) {
 test("random poses have the native bits", (t) => compareBits(t, settings.face, settings.poses));
 test("random poses of a character of several meshes have the native bits", (t) => compareBits(t, settings.character, settings.characterPoses));
 
+test("random poses of a face with driven joints have the native bits", (t) =>
+  compareBits(t, settings.jaw, settings.jawPoses));
+
+test("a face with driven joints is posed, played and measured as any other", async (t) => {
+  const { address, stop } = await view(settings.jaw, "--beside", settings.jawSource, "--joints", "controls");
+  t.after(stop);
+  const { page, errors, close } = await openPage(browser, address);
+  const slider = page.getByLabel("jaw.rx", { exact: true });
+  await slider.focus();
+  await page.keyboard.press("End");
+  for (const look of ["Wireframe", "Normals", "Shaded", "Error"]) {
+    await mode(page, look);
+    await picture(page, `jaw_${look.toLowerCase()}`);
+  }
+  const measured = () => page.evaluate(() => {
+    const { viewer } = globalThis.facebakerViewer;
+    const { face, object } = viewer.first;
+    const numbers = () => new Float32Array(3 * face.vertexCount);
+    const before = face.evaluateInto(viewer.pose.values, { positions: numbers(), unskinned: true }).positions;
+    const largest = (from) => Math.max(...object.analysis.positions.map((x, i) => Math.abs(x - from[i])));
+    return { joints: face.drivenJoints.map(({ name }) => name), error: viewer.errors.max / face.diagonal,
+             moved: largest(before) / face.diagonal, frame: viewer.player.frame };
+  });
+  await page.waitForFunction(() => globalThis.facebakerViewer.viewer.errors?.max > 0);
+  const posed = await measured();
+  assert.deepEqual(posed.joints, ["jaw"]);
+  assert.ok(posed.moved > 0.1 && posed.error < 1e-4, JSON.stringify(posed));
+
+  await page.getByRole("tab", { name: "Clips" }).click();
+  await page.locator("#clips .clips button").first().click();
+  await page.getByLabel("Frame").fill("10");
+  await settle(page);
+  await page.waitForFunction(() => globalThis.facebakerViewer.viewer.errors?.max > 0);
+  const played = await measured();
+  assert.ok(played.frame === 10 && played.moved > 0.05 && played.error < 1e-4, JSON.stringify(played));
+  await page.getByRole("tab", { name: "About" }).click();
+  await page.getByText("Driven joints").waitFor();
+  assert.deepEqual(errors, []);
+  await close();
+});
+
 test("draws a face with an alpha-masked texture as soon as its picture is there, untouched", async (t) => {
   const alone = await view(settings.masked);
   t.after(alone.stop);

@@ -41,6 +41,7 @@ function describe(shown: ShownFace): HTMLElement[] {
   if (face.levels.length > 1) rows.push(["Levels of detail", face.levels.map((l) => l.vertexCount).join(", ") + " vertices"]);
   if (face.sockets.length > 0) rows.push(["Sockets", face.sockets.map((socket) => socket.name).join(", ")]);
   if (face.channels.length > 0) rows.push(["Channels", face.channels.map((channel) => channel.name).join(", ")]);
+  if (face.drivenJoints.length > 0) rows.push(["Driven joints", String(face.drivenJoints.length)]);
   if (face.joints.length > 0) rows.push(["Joints", String(face.joints.length)]);
   const list = element("dl");
   for (const [what, value] of rows) list.append(element("dt", {}, what), element("dd", {}, value));
