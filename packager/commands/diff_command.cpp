@@ -135,7 +135,7 @@ void add_diff(Command tool) {
       .type_name("E")
       .shows_default();
   add_json_flag(app, command->json);
-  app.footer("Exit code 0 if controls, meshes and poses are the same, 1 if they differ.");
+  app.footer("Exit code 0 if controls, meshes, driven joints and poses are the same, 1 if they differ.");
   app.when_called([command] { command->run(); });
 }
 

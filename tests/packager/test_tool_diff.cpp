@@ -112,4 +112,48 @@ TEST_CASE("a control that moves the face otherwise is named first, with its vert
   CHECK(run_tool({"diff", before, now, "--tolerance", "0.5"}).exit_code == 0);
 }
 
+TEST_CASE("driven joints that are others are named, and their motion is compared") {
+  const ScratchFolder folder;
+  const std::string before = folder / "before.fbk", now = folder / "now.fbk";
+  const fb::PackedModel model = fb::driven_model();
+  write(before, model);
+  CHECK(run_tool({"diff", before, before}).exit_code == 0);
+  const auto changed = [&](const fb::PackedModel& face, const std::string& words) {
+    write(now, face);
+    CHECK_MESSAGE(diff_of(before, now, 1).at("equal") == false, words);
+    const ToolRun run = run_tool({"diff", before, now, "--tolerance", "1"});
+    CHECK_MESSAGE(contains(run.out, words), run.out);
+    CHECK_MESSAGE(run.exit_code == (words.empty() ? 0 : 1), run.out);
+  };
+  fb::PackedModel renamed = model, reached = model, followed = model, stronger = model;
+  renamed.rest.driven.joints[1].name = "tongue tip";
+  changed(renamed, "1 driven joints are gone: \"tongue\"\n1 driven joints are new: \"tongue tip\"\n");
+  reached.rest.driven.joints[2].parent = 1;
+  changed(reached, "1 driven joints have another parent, other numbers or another frame at rest: \"pin\"\n");
+  followed.rest.driven.skin.weights[3 * 7] /= 2;
+  changed(followed, "vertices follow other driven joints, or by other weights\n");
+  stronger.rest.driven.scales[0] *= 1.5f;
+  changed(stronger, "");
+  changed(fb::character_model(), "4 driven joints are gone: \"jaw\", \"tongue\", \"pin\", ...\n");
+  // Those that are new have points behind the others that carry their numbers.
+  write(before, fb::character_model());
+  changed(model, "4 driven joints are new: ");
+  CHECK(diff_of(before, now, 1).at("rest").at("max") == 0);
+}
+
+TEST_CASE("a face with driven joints that is packed again poses as before, or as coarsely as is asked for") {
+  const ScratchFolder folder;
+  const std::string face = folder / "face.fbk", packed = folder / "packed.fbk";
+  for (const fb::PackedModel& model : {fb::whole_model(), fb::driven_model()}) {
+    write(face, model);
+    REQUIRE(run_tool({"pack", face, "--out", packed}).exit_code == 0);
+    CHECK(diff_of(face, packed, 0).at("equal") == true);
+  }
+  REQUIRE(run_tool({"pack", face, "--out", packed, "--max-error", "0.01"}).exit_code == 0);
+  CHECK(run_tool({"verify", packed}).exit_code == 0);
+  const Json coarser = diff_of(face, packed, 1);
+  CHECK(coarser.at("schema").empty());
+  CHECK(coarser.at("random").at("max") > 0);
+}
+
 }  // namespace test_tool_diff

@@ -10,6 +10,7 @@
 #include "bake/measure/vertex_distance.h"
 #include "bake/rig/scaled_source.h"
 #include "base/random_streams.h"
+#include "base/status.h"
 
 namespace fb::bake {
 namespace {
@@ -63,6 +64,42 @@ void compare_schemas(FaceDifference& found, const RigSchema& before, const RigSc
     if (!now.find(control.name)) found.removed.push_back(control.name);
   for (const Control& control : now.controls)
     if (!before.find(control.name)) found.added.push_back(control.name);
+}
+
+// A sentence about the joints that `others` has none of, or, with `common`, that it has but otherwise; "" if there are
+// none.
+std::string joints_text(const std::vector<DrivenJoint>& joints, const std::vector<DrivenJoint>& others, bool common,
+                        const char* what) {
+  const auto parent = [](const std::vector<DrivenJoint>& of, const DrivenJoint& joint) {
+    return joint.parent == no_joint ? std::string() : of[joint.parent].name;
+  };
+  constexpr std::size_t most_names = 3;
+  std::string names;
+  std::size_t count = 0;
+  for (const DrivenJoint& joint : joints) {
+    const auto other = std::ranges::find(others, joint.name, &DrivenJoint::name);
+    const bool found = other != others.end();
+    if (found != common) continue;
+    if (found && joint.numbers == other->numbers && joint.rest == other->rest &&
+        parent(joints, joint) == parent(others, *other))
+      continue;
+    if (count < most_names) names += (count ? ", \"" : "\"") + joint.name + "\"";
+    ++count;
+  }
+  return count == 0
+             ? ""
+             : format("%zu driven joints %s: %s%s", count, what, names.c_str(), count > most_names ? ", ..." : "");
+}
+
+void compare_driven_joints(FaceDifference& found, const DrivenJoints& before, const DrivenJoints& now) {
+  const auto add = [&](const std::string& sentence) {
+    if (!sentence.empty()) found.schema.push_back(sentence);
+  };
+  add(joints_text(before.joints, now.joints, false, "are gone"));
+  add(joints_text(now.joints, before.joints, false, "are new"));
+  add(joints_text(now.joints, before.joints, true, "have another parent, other numbers or another frame at rest"));
+  if (before.joints == now.joints && before.skin != now.skin)
+    add("vertices follow other driven joints, or by other weights");
 }
 
 std::vector<CommonControl> common_controls(FaceDifference& found, const RigSchema& before, const RigSchema& now) {
@@ -148,6 +185,7 @@ FaceDifference face_difference(PackedModel before, PackedModel now, const Parall
   FaceDifference found;
   found.diagonal = now.rest.diagonal();
   compare_schemas(found, before.schema, now.schema);
+  compare_driven_joints(found, before.rest.driven, now.rest.driven);
   found.same_vertices = before.rest.surface_vertex_count() == now.rest.surface_vertex_count();
   found.same_polygons =
       before.rest.polygon_sizes == now.rest.polygon_sizes && before.rest.polygon_corners == now.rest.polygon_corners;
@@ -163,7 +201,7 @@ FaceDifference face_difference(PackedModel before, PackedModel now, const Parall
     found.diagonal = now.rest.diagonal();
   }
   const FaceMap map(now, parallel);
-  found.rest = between(now.rest.points, before.rest.points, found.diagonal);
+  found.rest = between(now.rest.surface_points(), before.rest.surface_points(), found.diagonal);
   if (found.rest.max > 0) found.rest_place = map.name_of(found.rest.worst_vertex);
   compare_controls(found, before, now, common, map);
   compare_random(found, before, now, common, map);

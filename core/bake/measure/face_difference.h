@@ -30,7 +30,7 @@ struct PartDifference {
 
 struct FaceDifference {
   double diagonal = 0;              // D: of the new rest mesh
-  std::vector<std::string> schema;  // in words: name, units, up axis, order of controls
+  std::vector<std::string> schema;  // in words: name, units, up axis, order of controls, driven joints
   std::vector<std::string> added, removed;
   bool same_vertices = true, same_polygons = true, same_uvs = true, same_exact_poses = true;
   // Where numbers of vertices are the same:
