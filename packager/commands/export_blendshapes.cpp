@@ -205,6 +205,7 @@ ExportResult export_blendshapes(PoseEvaluator& evaluator, const Poses& poses, co
   }
   const std::vector<std::string> left_out = write_glb(path, scene);
   result.notes.insert(result.notes.end(), left_out.begin(), left_out.end());
+  result.add_driven_joints_note(character);
   return result;
 }
 

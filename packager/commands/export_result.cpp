@@ -15,4 +15,12 @@ void ExportResult::add_error(const std::string& key, const std::string& what, co
                   {"rms_over_diagonal", error.rms() / diagonal}};
 }
 
+void ExportResult::add_driven_joints_note(const CharacterView& character) {
+  if (!character.driven_joints.empty())
+    notes.push_back(
+        format("%zu driven joints are left out, and vertices go where they take them; \"facebaker pose\" "
+               "writes a pose or a clip as .glb with them",
+               character.driven_joints.size()));
+}
+
 }  // namespace fb::tool

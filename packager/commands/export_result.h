@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "export/character_view.h"
 #include "export/morph_targets.h"
 
 namespace fb::tool {
@@ -17,6 +18,8 @@ struct ExportResult {
   // A line "what: off by ...", and the same among the figures. Distances are in the units of the face.
   void add_error(const std::string& key, const std::string& what, const MorphError& error, double diagonal,
                  const std::string& units);
+  // A note about the driven joints of a face, if it has any.
+  void add_driven_joints_note(const CharacterView& character);
 };
 
 }  // namespace fb::tool

@@ -242,6 +242,7 @@ ExportResult export_skinned(PoseEvaluator& evaluator, const facebaker::Archive& 
   result.notes = write_glb(path, scene);
   if (!character.joints.empty())
     result.notes.push_back(format("the face's own %zu joints are left out", character.joints.size()));
+  result.add_driven_joints_note(character);
   return result;
 }
 

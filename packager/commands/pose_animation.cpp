@@ -121,8 +121,7 @@ ClipSpan::ClipSpan(PoseEvaluator& evaluator, std::span<const float> controls)
   for (std::uint32_t c = 0; c < used.size(); ++c)
     if (used[c]) columns_.push_back(c);
   const std::size_t frames = evaluator.frames(controls);
-  // Joints move what columns displace: their sum is not where vertices are.
-  if (frames <= columns_.size() || fb_driven_joint_count(evaluator.model().get()) > 0) return;
+  if (frames <= columns_.size() || !evaluator.is_linear()) return;
   for_coefficients(evaluator, controls, [&](std::span<const float> of_frame) {
     for (const std::uint32_t c : columns_) coefficients_.push_back(of_frame[c]);
   });

@@ -2,11 +2,12 @@
 
 namespace fb::tool {
 
-PoseEvaluator::PoseEvaluator(const facebaker::Model& model, const Parallel& parallel, float lod)
+PoseEvaluator::PoseEvaluator(const facebaker::Model& model, const Parallel& parallel, float lod, bool unskinned)
     : model_(model),
       character_(model_, lod),
       parallel_(parallel),
       lod_(lod),
+      unskinned_(unskinned),
       workers_(static_cast<std::uint32_t>(worker_count(parallel))),
       scratch_(model_, workers_) {}
 
@@ -18,6 +19,7 @@ fb_batch_desc PoseEvaluator::batch_of(std::span<const float> controls) const {
   batch.control_floats = controls.size();
   batch.threads = workers_;
   batch.lod = lod_;
+  batch.unskinned = unskinned_ ? 1 : 0;
   return batch;
 }
 
@@ -67,6 +69,16 @@ std::vector<float> PoseEvaluator::sockets(std::span<const float> controls) {
   batch.socket_floats = sockets.size();
   scratch_.evaluate(batch);
   return sockets;
+}
+
+std::vector<float> PoseEvaluator::driven_joints(std::span<const float> controls) {
+  std::vector<float> joints(frames(controls) * character_.driven_joints.size() * FB_FRAME_FLOATS);
+  if (joints.empty()) return joints;
+  fb_batch_desc batch = batch_of(controls);
+  batch.joints = joints.data();
+  batch.joint_floats = joints.size();
+  scratch_.evaluate(batch);
+  return joints;
 }
 
 }  // namespace fb::tool

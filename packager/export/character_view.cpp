@@ -64,6 +64,11 @@ CharacterView::CharacterView(const facebaker::Model& model, float lod) : mesh(me
   const std::size_t places = std::size_t(influences) * fb_vertex_count(m);
   skin_joints = {fb_skin_joints(m), places};
   skin_weights = {fb_skin_weights(m), places};
+  driven_joints = all_of(m, fb_driven_joint_count(m), fb_driven_joint_fill, fb_driven_joint_at);
+  driven_influences = fb_driven_influences(m);
+  const std::size_t driven_places = std::size_t(driven_influences) * fb_vertex_count(m);
+  driven_skin_joints = {fb_driven_skin_joints(m), driven_places};
+  driven_skin_weights = {fb_driven_skin_weights(m), driven_places};
 }
 
 std::string CharacterView::mesh_name(std::size_t index) const {

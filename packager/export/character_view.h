@@ -24,6 +24,10 @@ struct CharacterView {
   std::uint32_t influences = 0;                // of a vertex of the skin; 0: none
   std::span<const std::uint16_t> skin_joints;  // vertices x influences
   std::span<const float> skin_weights;
+  std::vector<fb_driven_joint> driven_joints;
+  std::uint32_t driven_influences = 0;                // likewise, of driven joints
+  std::span<const std::uint16_t> driven_skin_joints;  // vertices x influences
+  std::span<const float> driven_skin_weights;
 
   // lod: a level of detail, whose polygons are those of the level that it is rounded down to.
   explicit CharacterView(const facebaker::Model& model, float lod = 0);

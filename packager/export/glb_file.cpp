@@ -11,7 +11,7 @@
 #include "export/glb_materials.h"
 #include "export/glb_meshes.h"
 #include "export/glb_skin.h"
-#include "export/socket_transform.h"
+#include "export/node_transform.h"
 #include "export/valid_utf8.h"
 
 namespace fb::tool {
@@ -57,7 +57,7 @@ int add_mesh_node(tinygltf::Model& model, const CharacterView& character, std::s
 int add_socket_node(tinygltf::Model& model, const GlbScene& scene, std::size_t socket,
                     std::vector<std::string>& notes) {
   const std::string name = scene.character.sockets[socket].name;
-  const SocketTransform transform(std::span(scene.socket_frames).subspan(12 * socket, 12));
+  const NodeTransform transform(std::span(scene.socket_frames).subspan(12 * socket, 12));
   if (transform.sheared)
     notes.push_back(
         format("socket \"%s\": its frame is sheared; its axes are put at right angles", shown(name).c_str()));
@@ -81,6 +81,25 @@ void animate_joints(GlbAnimation& animation, const CharacterView& character, con
     for (std::size_t first = 12 * j; first < frames.size() && !moves; first += 12 * count)
       moves = !std::ranges::equal(frames.subspan(first, 12), rest);
     if (moves) animation.add_frames(joints[j], frames, j, count);
+  }
+}
+
+// Puts joints where they are in the first frame, and animates them where there are more.
+void add_tracks(tinygltf::Model& model, GlbAnimation& animation, const GlbScene& scene,
+                const std::vector<int>& joints) {
+  const auto set = [](std::vector<double>& part, const std::vector<float>& values, std::ptrdiff_t width) {
+    if (!values.empty()) part.assign(values.begin(), values.begin() + width);
+  };
+  for (const auto& [moved, track] : scene.tracks) {
+    std::vector<int> nodes;
+    for (const std::uint32_t joint : moved) {
+      nodes.push_back(joints[joint]);
+      tinygltf::Node& node = model.nodes[static_cast<std::size_t>(joints[joint])];
+      set(node.translation, track.translations, 3);
+      set(node.rotation, track.rotations, 4);
+      set(node.scale, track.scales, 3);
+    }
+    if (scene.frames > 1) animation.add_track(nodes, track);
   }
 }
 
@@ -108,6 +127,7 @@ void add_scene(tinygltf::Model& model, GlbBuffer& buffer, const GlbScene& scene,
     if (scene.frames > 1) animation.add_frames(node, scene.socket_frames, s, character.sockets.size());
   }
   if (scene.frames > 1) animate_joints(animation, character, joints, scene.joint_frames);
+  add_tracks(model, animation, scene, joints);
   animation.finish(character.name);
   for (const JointAnimation& more : scene.more) {
     GlbAnimation one(model, buffer, 2, 1);

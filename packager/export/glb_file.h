@@ -7,6 +7,7 @@
 
 #include "export/character_view.h"
 #include "export/morph_targets.h"
+#include "export/node_transform.h"
 
 namespace fb::tool {
 
@@ -15,6 +16,12 @@ struct JointAnimation {
   std::string name;
   std::vector<float> joint_frames;          // 2 x joints x 12
   std::vector<std::vector<float>> weights;  // of each mesh: 2 x its targets
+};
+
+// Where joints of a character are in the frames of a scene: the same in all of them, each in its parent.
+struct JointTrack {
+  std::vector<std::uint32_t> joints;
+  NodeTrack track;
 };
 
 struct GlbScene {
@@ -28,6 +35,7 @@ struct GlbScene {
   std::vector<std::pair<std::string, double>> figures = {};     // the same
   std::vector<float> joint_frames = {};                         // frames x joints x 12; empty: joints stay
   std::vector<JointAnimation> more = {};                        // beside that of the frames
+  std::vector<JointTrack> tracks = {};                          // of joints that joint_frames are not given of
 };
 
 // Writes a binary glTF 2.0: a node for each mesh and each socket under one that scales to metres and turns y up, with

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/status.h"
-#include "export/socket_transform.h"
+#include "export/node_transform.h"
 #include "export/valid_utf8.h"
 
 namespace fb::tool {
@@ -18,18 +18,14 @@ constexpr double sum_tolerance = 2e-7;
 
 // Translation, rotation and scale, so that the joint can be animated; a matrix where they cannot say it.
 void set_transform(tinygltf::Node& node, const JointFrame& rows) {
-  const SocketTransform transform(rows);
-  const auto [x, y, z, w] = transform.rotation;
-  const double turn[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-                             {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-                             {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+  const NodeTransform transform(rows);
+  const Frame said = transform.frame();
   double apart = 0, size = 0;
-  for (std::size_t row = 0; row < 3; ++row)
-    for (std::size_t column = 0; column < 3; ++column) {
-      const double value = double(rows[4 * row + column]);
-      apart = std::max(apart, std::fabs(turn[row][column] * transform.scale[column] - value));
-      size = std::max(size, std::fabs(value));
-    }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (i % 4 == 3) continue;  // the origin
+    apart = std::max(apart, std::fabs(said[i] - double(rows[i])));
+    size = std::max(size, std::fabs(double(rows[i])));
+  }
   if (apart <= 1e-6 * size) {
     node.translation.assign(transform.translation.begin(), transform.translation.end());
     node.rotation.assign(transform.rotation.begin(), transform.rotation.end());

@@ -153,6 +153,33 @@ inline std::vector<double> posed_points(const tinygltf::Model& model, const tiny
   return all;
 }
 
+// What an animation makes of nodes and weights in a frame.
+inline GltfPose pose_of_animation(const tinygltf::Model& model, const tinygltf::Animation& animation,
+                                  std::size_t frame) {
+  std::map<std::string, tinygltf::Node> moved;
+  GltfPose pose;
+  for (const auto& channel : animation.channels) {
+    const tinygltf::Node& node = model.nodes.at(std::size_t(channel.target_node));
+    const std::vector<float> values = floats(model, animation.samplers.at(std::size_t(channel.sampler)).output);
+    const std::size_t count = floats(model, animation.samplers.at(std::size_t(channel.sampler)).input).size(),
+                      width = values.size() / count;
+    const std::vector<double> value(values.begin() + std::ptrdiff_t(frame * width),
+                                    values.begin() + std::ptrdiff_t((frame + 1) * width));
+    if (channel.target_path == "weights") {
+      const auto& mesh = model.meshes.at(std::size_t(node.mesh));
+      for (std::size_t t = 0; t < width; ++t)
+        pose.weights[mesh.extras.Get("targetNames").Get(int(t)).Get<std::string>()] = value[t];
+      continue;
+    }
+    tinygltf::Node& to = moved.try_emplace(node.name, node).first->second;
+    if (channel.target_path == "translation") to.translation = value;
+    if (channel.target_path == "rotation") to.rotation = value;
+    if (channel.target_path == "scale") to.scale = value;
+  }
+  for (const auto& [name, node] : moved) pose.locals[name] = local_place(node);
+  return pose;
+}
+
 // The nodes of the default scene.
 inline std::set<int> shown_nodes(const tinygltf::Model& model) {
   std::vector<int> next = model.scenes.at(model.defaultScene).nodes;

@@ -68,31 +68,6 @@ struct ExportedFace {
   }
 };
 
-// A node of the animation's channels in a frame, by the file alone.
-GltfPose pose_of_animation(const tinygltf::Model& model, const tinygltf::Animation& animation, std::size_t frame) {
-  std::map<std::string, tinygltf::Node> moved;
-  GltfPose pose;
-  for (const auto& channel : animation.channels) {
-    const tinygltf::Node& node = model.nodes.at(std::size_t(channel.target_node));
-    const std::vector<float> values = floats(model, animation.samplers.at(std::size_t(channel.sampler)).output);
-    const std::size_t count = floats(model, animation.samplers.at(std::size_t(channel.sampler)).input).size(),
-                      width = values.size() / count;
-    const std::vector<double> value(values.begin() + std::ptrdiff_t(frame * width),
-                                    values.begin() + std::ptrdiff_t((frame + 1) * width));
-    if (channel.target_path == "weights") {
-      const auto& mesh = model.meshes.at(std::size_t(node.mesh));
-      for (std::size_t t = 0; t < width; ++t)
-        pose.weights[mesh.extras.Get("targetNames").Get(int(t)).Get<std::string>()] = value[t];
-      continue;
-    }
-    tinygltf::Node& to = moved.try_emplace(node.name, node).first->second;
-    if (channel.target_path == "translation") to.translation = value;
-    if (channel.target_path == "rotation") to.rotation = value;
-  }
-  for (const auto& [name, node] : moved) pose.locals[name] = local_place(node);
-  return pose;
-}
-
 // Points as the file shows them, in the face's centimetres again.
 std::vector<double> shown_points(const tinygltf::Model& model, const GltfPose& pose, const ExportedFace& of) {
   std::vector<double> points = posed_points(model, pose, of.vertices());
@@ -171,7 +146,7 @@ TEST_CASE("fewer blendshapes are the strongest, and make a larger error") {
 }
 
 TEST_CASE("a clip plays as it is evaluated, by weights of controls and corrections") {
-  for (const PackedModel& face : {tiny_packed_model(), exact_model()}) {
+  for (const PackedModel& face : {tiny_packed_model(), exact_model(), driven_model()}) {
     const ExportedFace of(face, 30);
     for (const char* shapes : {"0", "3", "64"}) {
       CAPTURE(shapes);
@@ -204,7 +179,7 @@ TEST_CASE("corrections that take more than 256 MB are refused before the work, u
 }
 
 TEST_CASE("joints and blendshapes play a clip with the error that is told") {
-  for (const PackedModel& face : {tiny_packed_model(), character_model()}) {
+  for (const PackedModel& face : {tiny_packed_model(), character_model(), driven_model()}) {
     const ExportedFace of(face, 12);
     const json figures = of.write_clip_to("skin.glb", {"--skinned", "--joints", "4", "--shapes", "2"});
     const tinygltf::Model model = load_glb(of.folder / "skin.glb");
@@ -246,25 +221,28 @@ TEST_CASE("without a clip there is an animation an end of a control, from rest t
 }
 
 TEST_CASE("point caches are read back as they were evaluated, to the last bit") {
-  const ExportedFace of(tiny_packed_model(), 70);
-  const std::vector<std::size_t> shape = {70, of.face.rest.vertex_count(), 3};
-  const auto check = [&](const bake::ArrayFile& file) {
-    CHECK(file.shape() == shape);
-    std::vector<float> points(of.expected.size());
-    file.read(0, 70, points);
-    CHECK(points == of.expected);
-  };
-  CHECK(of.write_clip_to("clip.mdd")["frames"] == 70);
-  of.write_clip_to("clip.pc2");
-  check(bake::MddFile(of.folder / "clip.mdd"));
-  check(bake::Pc2File(of.folder / "clip.pc2"));
-  const std::string mdd = text_of(of.folder / "clip.mdd");  // the time of the second frame
-  const std::uint32_t bits = __builtin_bswap32(*reinterpret_cast<const std::uint32_t*>(&mdd[12]));
-  CHECK(std::bit_cast<float>(bits) == 1.0f / 24);
+  for (const PackedModel& face : {tiny_packed_model(), driven_model()}) {
+    const ExportedFace of(face, 70);
+    const std::vector<std::size_t> shape = {70, of.face.rest.surface_vertex_count(), 3};
+    const auto check = [&](const bake::ArrayFile& file) {
+      CHECK(file.shape() == shape);
+      std::vector<float> points(of.expected.size());
+      file.read(0, 70, points);
+      CHECK(points == of.expected);
+    };
+    CHECK(of.write_clip_to("clip.mdd")["frames"] == 70);
+    of.write_clip_to("clip.pc2");
+    check(bake::MddFile(of.folder / "clip.mdd"));
+    check(bake::Pc2File(of.folder / "clip.pc2"));
+    const std::string mdd = text_of(of.folder / "clip.mdd");  // the time of the second frame
+    const std::uint32_t bits = __builtin_bswap32(*reinterpret_cast<const std::uint32_t*>(&mdd[12]));
+    CHECK(std::bit_cast<float>(bits) == 1.0f / 24);
+  }
 }
 
-TEST_CASE("a .usda has the polygons, names and licence, and a sample of points a frame") {
-  const ExportedFace of(character_model());
+namespace {
+
+void check_usda(const ExportedFace& of) {
   of.write_clip_to("clip.usda");
   const std::string text = text_of(of.folder / "clip.usda");
   CHECK(text.starts_with("#usda 1.0\n(\n"));
@@ -288,6 +266,27 @@ TEST_CASE("a .usda has the polygons, names and licence, and a sample of points a
   }
   CHECK(meshes == 2);
   CHECK(samples == of.expected.size());
+}
+
+}  // namespace
+
+TEST_CASE("a .usda has the polygons, names and licence, and a sample of points a frame") {
+  check_usda(ExportedFace(character_model()));
+  check_usda(ExportedFace(driven_model()));
+}
+
+TEST_CASE("a face with driven joints is no network, and its blendshapes say that joints are not in them") {
+  const ExportedFace of(driven_model());
+  const ToolRun run = run_tool({"export", of.folder / "face.fbk", of.folder / "face.onnx"});
+  CHECK(run.exit_code == 1);
+  CHECK_MESSAGE(is_error_line(run.err, "export", {"joints that its controls drive", "--driven-joints none"}), run.err);
+  for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--skinned"}}) {
+    std::vector<std::string> words = {"export", of.folder / "face.fbk", of.folder / "face.glb"};
+    words.insert(words.end(), options.begin(), options.end());
+    const ToolRun shapes = run_tool(words);
+    CHECK(shapes.exit_code == 0);
+    CHECK_MESSAGE(shapes.err.find("4 driven joints are left out") != std::string::npos, shapes.err);
+  }
 }
 
 TEST_CASE("wrong uses are refused in a sentence and leave nothing behind") {

@@ -1,7 +1,8 @@
 // Writes a small character as a dataset folder: five meshes with UV seams, five materials with textures in all slots,
 // three sockets, and four controls of which two do more together than apart. Its images are PNG and JPEG or, with
-// "ktx2", KTX2. With "skin" it is on a neck of two joints, and its eyes have joints of their own.
-//   node make_character.mjs FOLDER [ktx2|skin]
+// "ktx2", KTX2. With "skin" it is on a neck of two joints, and its eyes have joints of their own. With "driven" its
+// controls move joints of a jaw and of eyes; with "carried" both.
+//   node make_character.mjs FOLDER [ktx2|skin|driven|carried]
 import fs from "node:fs";
 import path from "node:path";
 import zlib from "node:zlib";
@@ -121,17 +122,38 @@ function posed(name, points, [jaw, smile, blink, look]) {
   });
 }
 
+// The share of a vertex that follows a driven joint, in the steps of archives, and that joint: 0 is the jaw, 1 and 2 are eyes.
+const eyes = { eye_L: 1, eye_R: 2 };
+function drivenBy(name, p) {
+  const share = name === "head" ? Math.exp(-(p[0] ** 2 + (p[1] + 6) ** 2 + (p[2] - 6) ** 2) / 36) : 1;
+  return [eyes[name] ?? 0, Math.round(share * 32768) / 32768];
+}
+
+// The same as posed(), but that the jaw's turn is shared by skinning.
+function drivenPoints(name, points, [jaw, smile, blink, look]) {
+  return posed(name, points, [0, smile, blink, 0]).map((p, v) => {
+    const [joint, share] = drivenBy(name, points[v]), angle = joint ? 0.5 * look : 0.4 * jaw;
+    const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+    const [x, z] = [p[0] - (joint === 1 ? 3 : joint === 2 ? -3 : 0), p[2] - (joint ? 8 : 0)];
+    const turned = joint ? [p[0] - x + x * cos + z * sin, p[1], p[2] - z - x * sin + z * cos]
+      : [p[0], p[1] * cos - p[2] * sin, p[1] * sin + p[2] * cos];
+    return p.map((number, axis) => number + share * (turned[axis] - number));
+  });
+}
+
+const driven = kind === "driven" || kind === "carried", skinned = kind === "skin" || kind === "carried";
 const all = Object.entries(parts);
 const controls = [
   { name: "jawOpen", min: 0, max: 1, default: 0, arkit: "jawOpen" }, { name: "smile", min: 0, max: 1, default: 0 },
   { name: "blink_L", min: 0, max: 1, default: 0, arkit: "eyeBlinkLeft" }, { name: "look", min: -1, max: 1, default: 0 },
 ];
-const frames = 160, values = [], points = [];
+const frames = 160, values = [], points = [], numbers = [];
 for (let f = 0; f < frames; ++f) {
   const wave = (speed, low) => low + (1 - low) * (0.5 - 0.5 * Math.cos(speed * f));
   const pose = [wave(0.21, 0), wave(0.13, 0), wave(0.47, 0), wave(0.17, -1)];
   values.push(...pose);
-  for (const [name, mesh] of all) points.push(...posed(name, mesh.points, pose).flat());
+  for (const [name, mesh] of all) points.push(...(driven ? drivenPoints : posed)(name, mesh.points, pose).flat());
+  numbers.push(0.4 * pose[0], 0.5 * pose[3], 0.5 * pose[3]);
 }
 let text = "", firstVertex = 1, firstUv = 1, faces = "";
 for (const [, mesh] of all) {
@@ -149,8 +171,8 @@ writeNpy("clip.npy", [24, 4], values.slice(0, 24 * 4));
 for (const [name, type, bytes] of pictures) write(`${name}.${type}`, bytes);
 
 let body = {};
-if (kind === "skin") {
-  const at = (x, y, z) => [1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z];
+const at = (x, y, z) => [1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z];
+if (skinned) {
   const followed = [], weights = [];
   for (const [name, mesh] of all)
     for (const [, y] of mesh.points) {
@@ -166,11 +188,22 @@ if (kind === "skin") {
     skin: { joints: "skin_joints.npy", weights: "skin_weights.npy" },
   };
 }
+const clip = { name: "motion", kind: "excitation", controls: "motion.controls.npy", points: "motion.points.npy" };
+if (driven) {
+  const followed = all.flatMap(([name, mesh]) => mesh.points.map((p) => drivenBy(name, p)));
+  writeNpy("driven_joints.npy", [count, 1], followed.map(([joint]) => joint), Int32Array);
+  writeNpy("driven_weights.npy", [count, 1], followed.map(([, share]) => share));
+  writeNpy("motion.channels.npy", [frames, 3], numbers);
+  clip.channels = "motion.channels.npy";
+  body.driven_joints = [{ name: "jaw", numbers: ["rotate_x"], frame: at(0, 0, 0) },
+    { name: "eye.L", numbers: ["rotate_y"], frame: at(3, 3, 8) }, { name: "eye.R", numbers: ["rotate_y"], frame: at(-3, 3, 8) }];
+  body.driven_skin = { joints: "driven_joints.npy", weights: "driven_weights.npy" };
+}
 
 const texture = (slot, image, more) => ({ slot, image, ...more });
 write("dataset.json", JSON.stringify({
   format: "facebaker-dataset", version: 1, name: "five meshes", units: "cm", up_axis: "y", rest: "rest.obj", controls,
-  clips: [{ name: "motion", kind: "excitation", controls: "motion.controls.npy", points: "motion.points.npy" }],
+  clips: [clip],
   meshes: all.map(([name, mesh]) => ({
     name, vertices: mesh.points.length, polygons: mesh.faces.length,
     materials: runs[name].map(([polygons, material]) => (material === null ? { polygons } : { polygons, material })),

@@ -1,4 +1,4 @@
-#include "export/socket_transform.h"
+#include "export/node_transform.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +44,7 @@ std::array<double, 4> quaternion_of(const Axis& x, const Axis& y, const Axis& z)
 
 }  // namespace
 
-SocketTransform::SocketTransform(std::span<const float> frame) {
+NodeTransform::NodeTransform(const Frame& frame) {
   const auto column = [&](std::size_t c) { return Axis{frame[c], frame[4 + c], frame[8 + c]}; };
   const Axis x = column(0), y = column(1), z = column(2);
   translation = column(3);
@@ -62,6 +62,28 @@ SocketTransform::SocketTransform(std::span<const float> frame) {
   sheared = std::fabs(product(x, y)) > tolerance * length_x * length_y ||
             std::fabs(product(y, z)) > tolerance * length_y * length_z ||
             std::fabs(product(z, x)) > tolerance * length_z * length_x;
+}
+
+Frame NodeTransform::frame() const {
+  const auto [x, y, z, w] = rotation;
+  const double turn[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+                             {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+                             {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+  Frame rows;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) rows[4 * row + column] = turn[row][column] * scale[column];
+    rows[4 * row + 3] = translation[row];
+  }
+  return rows;
+}
+
+void NodeTrack::add_rotation(const std::array<double, 4>& rotation) {
+  double towards = 0;
+  for (std::size_t i = 0; i < 4 && !rotations.empty(); ++i)
+    towards += rotation[i] * rotations[rotations.size() - 4 + i];
+  std::array<float, 4> numbers;
+  for (std::size_t i = 0; i < 4; ++i) numbers[i] = static_cast<float>(towards < 0 ? -rotation[i] : rotation[i]);
+  rotations.insert(rotations.end(), numbers.begin(), numbers.end());
 }
 
 }  // namespace fb::tool
