@@ -373,7 +373,9 @@ void CorrectiveSearch::weigh(Candidate& candidate, std::span<const std::vector<f
 }
 
 std::size_t CorrectiveSearch::with_joints(std::size_t most) const {
-  return rig_.rest().driven.empty() ? most : options_.joint_factor * most;
+  const auto of_surface = std::size_t(std::ranges::count_if(found_, [](const Candidate& one) { return one.surface; }));
+  const bool mostly_surface = 2 * of_surface > found_.size();
+  return rig_.rest().driven.empty() || mostly_surface ? most : options_.joint_factor * most;
 }
 
 void CorrectiveSearch::limit(std::vector<Candidate>& candidates, std::size_t most) const {

@@ -77,7 +77,7 @@ class CorrectiveSearch {
   // Returns how many were ranked.
   std::size_t rank_in_batches(std::vector<Candidate>& candidates, std::size_t most);
   static bool stronger(const Candidate& a, const Candidate& b) { return a.energy > b.energy; }
-  // How many there may be in all, if `most` of them may move the surface.
+  // How many there may be in all, if `most` of them may move the surface: no more where most of those found do.
   std::size_t with_joints(std::size_t most) const;
   // Removes what are too many of sorted candidates.
   void limit(std::vector<Candidate>& candidates, std::size_t most) const;
