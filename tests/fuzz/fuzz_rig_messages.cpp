@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "bake/rig/driven_pose.h"
 #include "bake/rig_process/rig_messages.h"
 #include "fuzz_folder.h"
 
@@ -18,6 +19,18 @@ RigDescription small_rig() {
   rig.schema.channels = {{"frown", "", 0, 1, 0, 1}};
   rig.rest.points.resize(3 * 5);
   rig.rest.carrier_vertices = 1;
+  return rig;
+}
+
+// A rig of four vertices whose poses come after skinning by a joint.
+RigDescription skinned_rig() {
+  constexpr fb::Frame<float> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  RigDescription rig;
+  rig.rest.points = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 1};
+  rig.character.joints = {{"lid", fb::no_joint, identity, identity}};
+  rig.character.skin = {1, {0, 0, 0, 0}, {1, 1, 0.5f, 1}};
+  take_out_skin(rig, std::vector<std::uint32_t>{fb::joint_rotation | fb::joint_scale});
+  add_joint_vertices(rig.rest);
   return rig;
 }
 
@@ -41,15 +54,17 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   const std::span<const std::byte> bytes = std::as_bytes(std::span(data + 1, size - 1));
   const std::size_t piece = 1 + data[0];
   fuzz::expect_message([&] {
-    const RigDescription rig = small_rig();
-    std::vector<float> points(poses * rig.rest.points.size());
+    const RigDescription rig = small_rig(), skinned = skinned_rig();
+    std::vector<float> points(poses * std::max(rig.rest.points.size(), skinned.rest.points.size()));
     read_messages(bytes, piece, [&](const RigMessage& message) {
       try {
         description_of(message);
       } catch (const fb::Error&) {
         // Its message may be the child's own, however short.
       }
-      fuzz::expect_message([&] { read_answer(message, rig, poses, points); });
+      for (const RigDescription* of : {&rig, &skinned})
+        fuzz::expect_message(
+            [&] { read_answer(message, *of, poses, std::span(points).first(poses * of->rest.points.size())); });
     });
   });
   fuzz::expect_message([&] {

@@ -91,4 +91,6 @@ def _joint(joint: Joint) -> Fields:
         fields["rest"] = _numbers(joint.rest)
     if joint.inverse_bind is not None:
         fields["inverse_bind"] = _numbers(joint.inverse_bind)
+    if joint.numbers:
+        fields["numbers"] = list(joint.numbers)
     return fields

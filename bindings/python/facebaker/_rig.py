@@ -59,7 +59,7 @@ class Rig:
 
     skinned: positions, also those at rest, are after skinning, and evaluate says where each joint is, in the space of
     positions: Joint.numbers are then taken out as driven joints, and what others do is left to a host. Not of
-    recordings, nor of rigs that facebaker.serve serves.
+    recordings.
 
     rest_positions: (vertices, 3), what evaluate gives at rest to 1e-5 of the diagonal; None: it is asked.
     polygons: (polygons, corners), vertex indices, -1 behind the last corner of those that have fewer, or a sequence of

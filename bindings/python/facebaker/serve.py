@@ -37,8 +37,6 @@ def serve(rig: Rig, requests: Optional[BinaryIO] = None, answers: Optional[Binar
         requests, answers = _pipes()
     if rig.evaluate is None:
         return _write(answers, _error(f'"{rig.name}" is a recording, which has no new poses'))
-    if rig.skinned:
-        return _write(answers, _error(f'"{rig.name}" is skinned: it is baked by Python, in its own process'))
     server = _Server(rig)
     while True:
         request = _read(requests)
@@ -85,6 +83,7 @@ class _Server:
             "rig_version": rig.version,
             "notes": list(rig.notes),
             "skin_influences": rig.skin.weights.shape[1] if rig.skin else 0,
+            "skinned": rig.skinned,
             "clips": [
                 {"name": clip.name, "kind": clip.kind, "split": clip.split, "fps": clip.fps,
                  "frames": len(np.asarray(clip.controls))}

@@ -1,6 +1,8 @@
 """Rigs in Python whose joints the controls drive."""
 
+import os
 import pathlib
+import shlex
 import sys
 import tempfile
 import unittest
@@ -50,6 +52,10 @@ def with_head(positions, frames):
     return positions, np.concatenate([np.repeat(np.eye(3, 4)[None, None], len(frames), 0), frames], 1)
 
 
+def bake_of(source, out):
+    return facebaker.bake(source, out, recipe="compact", poses=200, progress=None).load()
+
+
 class TestJoints(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -57,7 +63,7 @@ class TestJoints(unittest.TestCase):
         self.out = pathlib.Path(folder.name) / "face.fbk"
 
     def test_a_joint_that_controls_drive(self):
-        face = facebaker.bake(rig(), self.out, recipe="compact", poses=200, progress=None).load()
+        face = bake_of(rig(), self.out)
         self.assertEqual([(joint.name, joint.numbers) for joint in face.driven_joints], [("lid", NUMBERS)])
         self.assertEqual([joint.name for joint in face.joints], ["head"])
         poses = np.random.default_rng(1).uniform(0, 1, (20, 3)).astype(np.float32)
@@ -66,6 +72,16 @@ class TestJoints(unittest.TestCase):
         positions, true = evaluate(poses)
         np.testing.assert_allclose(seen, positions, atol=2e-3)
         np.testing.assert_allclose(frames, true, atol=2e-3)
+
+    def test_a_rig_in_another_process_is_the_same(self):
+        here = bake_of(rig(), self.out)
+        words = [sys.executable, "-B", "-m", "facebaker.serve", "test_joints:rig"]
+        paths = [pathlib.Path(facebaker.__file__).parents[1], pathlib.Path(__file__).parent]
+        path = os.pathsep.join(map(str, paths))
+        there = bake_of(f"exec:PYTHONPATH={shlex.quote(path)} {shlex.join(words)}", self.out.with_name("served.fbk"))
+        self.assertEqual(there.driven_joints[0].name, "lid")
+        poses = np.random.default_rng(2).uniform(0, 1, (20, 3)).astype(np.float32)
+        np.testing.assert_array_equal(there.evaluate_batch(poses), here.evaluate_batch(poses))
 
     def test_what_does_not_fit_is_told(self):
         for words, options in {

@@ -59,6 +59,13 @@ RIGS = textwrap.dedent(
             return rest[None]
         return facebaker.Rig(["a"], evaluate)
 
+    def turned():
+        joints = [facebaker.Joint("lid", rest=np.eye(3, 4), numbers=("rotate_z", "move_x"))]
+        skin = facebaker.Skin(np.zeros((4, 1), int), [[0], [0], [1], [0.5]])
+        frames = lambda controls: np.eye(3, 4) + controls[:, None, None] * np.eye(3, 4, 3)
+        evaluate = lambda controls: (np.repeat(rest[None], len(controls), 0), frames(controls))
+        return facebaker.Rig(["a"], evaluate, joints=joints, skin=skin, skinned=True)
+
     def no_rig():
         return 7
 
@@ -163,6 +170,21 @@ class ServeTest(unittest.TestCase):
             self.assertEqual(parent.process.wait(20), 0)
             out, _ = parent.close()
             self.assertIn("printed while evaluating", out)
+
+    def test_poses_after_skinning_have_frames_of_joints(self):
+        with self.parent("rigs:turned") as parent:
+            hello, data = parent.ask({"type": "hello", "version": 1})
+            self.assertIs(hello["skinned"], True)
+            self.assertEqual([joint["numbers"] for joint in hello["joints"]], [["rotate_z", "move_x"]])
+            self.assertEqual(hello["skin_influences"], 1)
+            self.assertEqual(data[-24:], struct.pack("<4H4f", 0, 0, 0, 0, 0, 0, 1, 0.5))
+            answer, data = parent.evaluate([[0.5], [1]])
+            self.assertEqual(answer, {"type": "points", "poses": 2})
+            positions, frames = np.split(np.frombuffer(data, "<f4"), [2 * 12])
+            self.assertEqual(positions.reshape(2, 4, 3)[1].tolist(), [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+            self.assertEqual(frames.reshape(2, 3, 4)[0, 0].tolist(), [1, 0, 0, 0.5])
+        with self.parent("rigs:make") as parent:
+            self.assertIs(parent.ask({"type": "hello", "version": 1})[0]["skinned"], False)
 
     def test_an_error_names_its_pose(self):
         with self.parent("rigs:made") as parent:

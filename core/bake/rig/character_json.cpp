@@ -169,6 +169,18 @@ namespace {
 constexpr const char* number_names[numbers_a_joint] = {"rotate_x", "rotate_y", "rotate_z", "move_x", "move_y",
                                                        "move_z",   "scale_x",  "scale_y",  "scale_z"};
 
+std::uint32_t numbers_of(const std::vector<JsonField>& list) {
+  std::uint32_t numbers = 0;
+  for (const JsonField& number : list) {
+    const std::string name = number.text();
+    const auto found = std::ranges::find(number_names, name);
+    if (found == std::end(number_names))
+      number.refuse(format("\"%s\" is none of rotate_x, move_x, scale_x and those of y and z", name.c_str()));
+    numbers |= 1u << (found - std::begin(number_names));
+  }
+  return numbers;
+}
+
 }  // namespace
 
 void write_driven_joints(const std::vector<DrivenJoint>& joints, ordered_json& to) {
@@ -182,6 +194,13 @@ void write_driven_joints(const std::vector<DrivenJoint>& joints, ordered_json& t
   }
 }
 
+std::vector<std::uint32_t> read_joint_numbers(const JsonField& from) {
+  std::vector<std::uint32_t> numbers;
+  for (const JsonField& joint : from["joints"].items_or_none())
+    numbers.push_back(numbers_of(joint["numbers"].items_or_none()));
+  return numbers;
+}
+
 std::vector<DrivenJoint> read_driven_joints(const JsonField& from) {
   std::vector<DrivenJoint> joints;
   for (const JsonField& field : from["driven_joints"].items_or_none()) {
@@ -193,13 +212,7 @@ std::vector<DrivenJoint> read_driven_joints(const JsonField& from) {
       if (found == joints.end()) parent.refuse(format("\"%s\" is none of the joints before it", name.c_str()));
       joint.parent = static_cast<std::uint32_t>(found - joints.begin());
     }
-    for (const JsonField& number : field["numbers"].items()) {
-      const std::string name = number.text();
-      const auto found = std::ranges::find(number_names, name);
-      if (found == std::end(number_names))
-        number.refuse(format("\"%s\" is none of rotate_x, move_x, scale_x and those of y and z", name.c_str()));
-      joint.numbers |= 1u << (found - std::begin(number_names));
-    }
+    joint.numbers = numbers_of(field["numbers"].items());
     joints.push_back(std::move(joint));
   }
   return joints;

@@ -39,6 +39,9 @@ std::vector<Socket> read_sockets(const JsonField& list);
 void write_channels(const std::vector<Channel>& channels, nlohmann::ordered_json& to);
 std::vector<Channel> read_channels(const JsonField& from);
 
+// The numbers of each of the "joints", see DrivenJoint::numbers.
+std::vector<std::uint32_t> read_joint_numbers(const JsonField& from);
+
 // The same of the field "driven_joints". What follows the joints is not written.
 void write_driven_joints(const std::vector<DrivenJoint>& joints, nlohmann::ordered_json& to);
 std::vector<DrivenJoint> read_driven_joints(const JsonField& from);

@@ -253,19 +253,12 @@ struct Reader {
     return numbers;
   }
 
-  // Parts the joints in those of the host and those of the controls, and takes what they do at rest out of the rest
-  // mesh.
-  void remove_rest_skin(const fb_rig& rig, RigDescription& description) const {
-    Character& character = description.character;
+  void take_out_skin_of(const fb_rig& rig, RigDescription& description) const {
     if (!rig.evaluate_skinned) fail(Status::rig, "%s: evaluate_skinned is null", label.c_str());
-    if (character.skin.influences == 0) fail(Status::rig, "%s: FB_RIG_SKINNED without a skin", label.c_str());
+    if (description.character.skin.influences == 0)
+      fail(Status::rig, "%s: FB_RIG_SKINNED without a skin", label.c_str());
     const std::vector<std::uint32_t> numbers = joint_numbers(rig);
-    check_rules([&] {
-      check(description.rest);
-      check(character.joints, character.skin, description.rest, all_driven(character.joints, numbers));
-    });
-    check_rules([&] { description.joints = part_joints(numbers, character, description.rest); });
-    description.skinned = true;
+    check_rules([&] { take_out_skin(description, numbers); });
   }
 
   std::vector<Channel> channels(const fb_rig& rig) const {
@@ -317,6 +310,38 @@ std::string skin_version(const Character& character, const DrivenJoints& driven)
 
 }  // namespace
 
+void take_out_skin(RigDescription& rig, std::span<const std::uint32_t> numbers) {
+  Character& character = rig.character;
+  if (character.skin.influences == 0) fail(Status::bad_data, "positions after skinning, without a skin");
+  check(rig.rest);
+  check(character.joints, character.skin, rig.rest, all_driven(character.joints, numbers));
+  rig.joints = part_joints(numbers, character, rig.rest);
+  rig.skinned = true;
+  rig.version += skin_version(character, rig.rest.driven);
+}
+
+void take_out_poses(const RigDescription& rig, std::span<float> positions, std::span<const float> channels,
+                    std::span<const float> frames, std::size_t poses, std::span<float> points) {
+  const Mesh& rest = rig.rest;
+  const std::size_t size = 3 * rest.surface_vertex_count(), joints = rig.joints.count();
+  const std::size_t of_channels = rig.schema.channels.size(), numbers = carried_count(rig.schema, rest);
+  std::vector<float> carried(poses * numbers);
+  std::vector<Frame<double>> of_pose(joints);
+  for (std::size_t p = 0; p < poses; ++p) {
+    for (std::size_t j = 0; j < joints; ++j)
+      std::ranges::copy(frames.subspan(12 * (p * joints + j), 12), of_pose[j].begin());
+    const std::span<float> here = std::span(carried).subspan(p * numbers, numbers);
+    std::ranges::copy(channels.subspan(p * of_channels, of_channels), here.begin());
+    try {
+      take_out_joints(rig.joints, rig.character, rest, of_pose, positions.subspan(p * size, size),
+                      here.subspan(of_channels));
+    } catch (const Error& error) {
+      throw PoseError(Status::rig, p, error.what());
+    }
+  }
+  join_carried(rig.schema, rest, positions, carried, poses, points);
+}
+
 RigDescription describe(const fb_rig& rig) {
   Reader reader;
   if (rig.abi != FB_RIG_ABI)
@@ -334,11 +359,12 @@ RigDescription describe(const fb_rig& rig) {
   RigDescription description;
   description.schema = reader.schema(rig);
   description.rest = reader.mesh(rig);
+  if (rig.struct_size >= rig_with_version && rig.version) description.version = rig.version;
   if (rig.struct_size >= rig_with_character) {
     reader.read_labels(rig, description.schema);
     description.rest.parts = reader.parts(rig);
     if (joints) reader.read_joints(rig, description.character);
-    if (skinned) reader.remove_rest_skin(rig, description);
+    if (skinned) reader.take_out_skin_of(rig, description);
     reader.read_character(rig, description.rest, description.character);
   }
   if (rig.struct_size >= rig_with_about && rig.about)
@@ -362,8 +388,6 @@ RigDescription describe(const fb_rig& rig) {
   reader.check_rules([&] { check_clips(description.clips); });
   if (rig.struct_size >= rig_with_block)
     description.preferred_block = std::min<std::size_t>(rig.preferred_block, most_preferred_poses);
-  if (rig.struct_size >= rig_with_version && rig.version) description.version = rig.version;
-  if (skinned) description.version += skin_version(description.character, description.rest.driven);
   return description;
 }
 

@@ -22,13 +22,25 @@ struct RigDescription {
   Mesh rest;  // with the vertices that carry numbers
   Character character = {};
   std::vector<Clip> clips;
-  // evaluate_skinned is called, and what joints do is taken out; rest is without.
+  // Poses come after skinning, with frames of joints, and what joints do is taken out; rest is without.
   bool skinned = false;
   RigJoints joints = {};            // where skinned
   std::size_t preferred_block = 0;  // poses, see Source::preferred_block
   std::string version = {};         // see Source::version
   std::vector<std::string> notes = {};
 };
+
+// Makes a rig whose poses come after skinning one without: parts its joints, see part_joints(), takes what they do at
+// rest out of the rest mesh, which has no carriers yet, and has the version say so. `numbers`: of each joint. Where all
+// are driven, vertices may follow them by weights that sum to less than 1. Fails with bad_data, naming joint or vertex,
+// as check() does, and where there is no skin.
+void take_out_skin(RigDescription& rig, std::span<const std::uint32_t> numbers);
+
+// Makes points of what such a rig gives for poses: positions (poses x 3 x surface vertices, changed here), channels
+// (poses x channels) and frames of all its joints (poses x joints x 12), in the space of the positions. Throws
+// PoseError for the first pose of which the joints cannot be taken out.
+void take_out_poses(const RigDescription& rig, std::span<float> positions, std::span<const float> channels,
+                    std::span<const float> frames, std::size_t poses, std::span<float> points);
 
 // Copies and checks everything a rig declares; evaluates nothing. Fails with status rig, naming the field, control,
 // polygon, clip or frame: another ABI, null pointers, zero counts, doubled names, bad ranges, bad polygons, clips with

@@ -41,27 +41,17 @@ Outcome evaluate_skinned(const fb_rig& rig, const RigDescription& description, c
   const Mesh& rest = description.rest;
   const std::size_t size = 3 * rest.surface_vertex_count(), joints = description.joints.count();
   std::vector<float> positions(count * size), channels(count * description.schema.channels.size());
-  std::vector<Frame<float>> frames(count * joints);
-  const Outcome outcome = call([&](char* message, std::uint32_t length) {
+  std::vector<float> frames(count * joints * FB_FRAME_FLOATS);
+  Outcome outcome = call([&](char* message, std::uint32_t length) {
     return rig.evaluate_skinned(rig.user, count, controls, positions.data(),
-                                channels.empty() ? nullptr : channels.data(), frames.data()->data(), message, length);
+                                channels.empty() ? nullptr : channels.data(), frames.data(), message, length);
   });
-  const std::size_t numbers = carried_count(description.schema, rest), of_joints = rest.driven.scales.size();
-  const std::size_t of_channels = numbers - of_joints;
-  std::vector<float> carried(count * numbers);
-  for (std::size_t p = 0; p < count && outcome.status == FB_OK; ++p) {
-    std::vector<Frame<double>> of_pose;
-    for (std::size_t j = 0; j < joints; ++j) of_pose.push_back(to_double(frames[p * joints + j]));
-    const std::span<float> here = std::span(carried).subspan(p * numbers, numbers);
-    std::copy_n(channels.begin() + std::ptrdiff_t(p * of_channels), of_channels, here.begin());
-    try {
-      take_out_joints(description.joints, description.character, rest, of_pose,
-                      std::span(positions).subspan(p * size, size), here.subspan(of_channels));
-    } catch (const Error& error) {
-      return {FB_ERROR_RIG, error.what()};
-    }
+  if (outcome.status != FB_OK) return outcome;
+  try {
+    take_out_poses(description, positions, channels, frames, count, {points, count * rest.points.size()});
+  } catch (const PoseError& error) {
+    outcome = {FB_ERROR_RIG, error.reason()};
   }
-  join_carried(description.schema, rest, positions, carried, count, {points, count * rest.points.size()});
   return outcome;
 }
 

@@ -110,6 +110,24 @@ Skin read_skin(const JsonField& influences, Numbers& numbers, const Mesh& rest) 
   return skin;
 }
 
+// The skin of the joints, and which of them controls drive: in positions that come after skinning, or beside others.
+void read_skins(const JsonField& fields, Numbers& numbers, RigDescription& rig) {
+  rig.character.skin = read_skin(fields["skin_influences"], numbers, rig.rest);
+  DrivenJoints& driven = rig.rest.driven;
+  driven.joints = read_driven_joints(fields);
+  if (!driven.empty()) {
+    driven.skin = read_skin(fields["driven_influences"], numbers, rig.rest);
+    round_weights(driven.skin);
+  }
+  const std::vector<std::uint32_t> joint_numbers = read_joint_numbers(fields);
+  if (fields["skinned"].flag_or(false)) {
+    if (!driven.empty()) fields["driven_joints"].refuse("stands beside \"skinned\"");
+    take_out_skin(rig, joint_numbers);
+  } else if (std::ranges::any_of(joint_numbers, [](std::uint32_t of_joint) { return of_joint != 0; })) {
+    fields["joints"].refuse("has numbers without \"skinned\"");
+  }
+}
+
 std::vector<Clip> read_clips(const JsonField& fields, Numbers& numbers, std::size_t controls) {
   std::vector<Clip> clips;
   for (const JsonField& from : fields["clips"].items_or_none()) {
@@ -123,6 +141,14 @@ std::vector<Clip> read_clips(const JsonField& fields, Numbers& numbers, std::siz
     clips.push_back(std::move(clip));
   }
   return clips;
+}
+
+// Of a pose, behind its positions: numbers, and then frames of joints.
+std::size_t answered_numbers(const RigDescription& rig) {
+  return rig.skinned ? rig.schema.channels.size() : carried_count(rig.schema, rig.rest);
+}
+std::size_t frame_floats(const RigDescription& rig) {
+  return rig.skinned ? 12 * rig.joints.count() : 0;
 }
 
 }  // namespace
@@ -290,18 +316,14 @@ RigDescription description_of(const RigMessage& answer) {
   rig.schema = {fields["name"].text(), fields["units"].text(), fields["up_axis"].text(), {}};
   for (const JsonField& from : fields["controls"].items()) rig.schema.controls.push_back(read_control(from));
   Numbers numbers(answer);
+  rig.version = fields["rig_version"].text_or("");
   rig.rest = read_mesh(fields, numbers);
   try {
     read_character(
         fields, [&](const JsonField& image) { return numbers.take<std::byte>(image["bytes"].count(), "images"); },
         rig.rest.parts, rig.character);
     rig.schema.channels = read_channels(fields);
-    rig.character.skin = read_skin(fields["skin_influences"], numbers, rig.rest);
-    rig.rest.driven.joints = read_driven_joints(fields);
-    if (!rig.rest.driven.empty()) {
-      rig.rest.driven.skin = read_skin(fields["driven_influences"], numbers, rig.rest);
-      round_weights(rig.rest.driven.skin);
-    }
+    read_skins(fields, numbers, rig);
   } catch (const Error& error) {
     fail(Status::rig, "%s", error.what());
   }
@@ -309,7 +331,6 @@ RigDescription description_of(const RigMessage& answer) {
   rig.clips = read_clips(fields, numbers, rig.schema.control_count());
   numbers.finish();
   rig.preferred_block = std::min<std::size_t>(fields["preferred_block"].count_or(0), most_preferred_poses);
-  rig.version = fields["rig_version"].text_or("");
   for (const JsonField& note : fields["notes"].items_or_none()) rig.notes.push_back(note.text());
   check_source(rig.schema, rig.rest, rig.character);
   add_channel_vertices(rig.schema, rig.rest);
@@ -320,6 +341,10 @@ RigDescription description_of(const RigMessage& answer) {
   check_clips(rig.clips);
   for (const Clip& clip : rig.clips) check_values(clip, rig.schema);
   return rig;
+}
+
+std::size_t answer_floats(const RigDescription& rig) {
+  return rig.rest.surface_points().size() + answered_numbers(rig) + frame_floats(rig);
 }
 
 std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescription& rig, std::size_t poses,
@@ -335,15 +360,23 @@ std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescrip
     return failure;
   }
   if (type != "points") fail(Status::rig, "an answer of type \"%s\" to a request for points", shown(type).c_str());
-  const std::size_t positions = poses * rig.rest.surface_points().size();
-  const std::size_t channels = poses * carried_count(rig.schema, rig.rest);
-  const std::size_t bytes = (positions + channels) * sizeof(float);
+  const std::size_t bytes = poses * answer_floats(rig) * sizeof(float);
   if (fields["poses"].count() != poses || answer.data.size() != bytes)
     fail(Status::rig, "points of %llu poses in %zu bytes, where %zu poses in %zu bytes were asked for",
          static_cast<unsigned long long>(fields["poses"].count()), answer.data.size(), poses, bytes);
   Numbers numbers(answer);
-  const std::vector<float> of_surface = numbers.take<float>(positions, "positions");
-  join_carried(rig.schema, rig.rest, of_surface, numbers.take<float>(channels, "channels"), poses, points);
+  std::vector<float> positions = numbers.take<float>(poses * rig.rest.surface_points().size(), "positions");
+  const std::vector<float> carried = numbers.take<float>(poses * answered_numbers(rig), "channels");
+  if (!rig.skinned) {
+    join_carried(rig.schema, rig.rest, positions, carried, poses, points);
+    return std::nullopt;
+  }
+  const std::vector<float> frames = numbers.take<float>(poses * frame_floats(rig), "frames of joints");
+  try {
+    take_out_poses(rig, positions, carried, frames, poses, points);
+  } catch (const PoseError& error) {
+    return RigFailure{error.pose(), error.reason()};
+  }
   return std::nullopt;
 }
 

@@ -77,6 +77,8 @@ RigMessage error_answer(const RigFailure& failure);
 
 // What a child says that it is: checked as every source is. Fails with rig or not_finite, naming field or clip.
 RigDescription description_of(const RigMessage& answer);
+// The floats that a pose has in an answer.
+std::size_t answer_floats(const RigDescription& rig);
 // Fills the points of so many poses, or returns why there are none. Fails with rig, saying what is wrong with the
 // message.
 std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescription& rig, std::size_t poses,

@@ -188,7 +188,7 @@ void RigWorkers::give(Worker& worker, Work& work) {
   work.waiting.pop_front();
   const Piece& piece = worker.piece;
   send(worker, evaluate_request(work.block->controls.subspan(piece.first * width, piece.count * width), piece.count));
-  worker.reader.limit_data(std::uint64_t{piece.count} * description_.rest.points.size() * sizeof(float));
+  worker.reader.limit_data(std::uint64_t{piece.count} * answer_floats(description_) * sizeof(float));
   worker.state = State::working;
   worker.begun = Clock::now();
   worker.deadline = worker.begun + std::chrono::duration_cast<Clock::duration>(time_limit(piece.count));

@@ -1,6 +1,8 @@
 // A rig that says of its joints which the controls move: a bake learns those as joints, and leaves the others to a
 // host.
 #include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
 
 #include "archive/reader.h"
 #include "bake/measure/evaluate.h"
@@ -256,6 +258,119 @@ TEST_CASE("numbers of joints go through the rig protocol and datasets") {
   CHECK(largest_apart(frame, points_of(source, {controls.begin(), controls.end()})) < tolerance);
 }
 
+namespace {
+
+// What a child says that serves a FaceRig, whose poses come after skinning.
+struct SkinnedChild {
+  FaceRig rig;
+  nlohmann::ordered_json fields;
+
+  SkinnedChild() {
+    fields = {{"type", "hello"}, {"version", 1}, {"name", "face"}, {"units", "m"}, {"up_axis", "y"}, {"skinned", true}};
+    for (const fb_rig_control& control : rig.controls)
+      fields["controls"].push_back({{"name", control.name}, {"min", -1}, {"max", 1}, {"default", 0}});
+    fields["vertices"] = rig.rest.vertex_count();
+    fields["polygons"] = rig.rest.polygon_sizes.size();
+    fields["skin_influences"] = 2;
+    fields["rig_version"] = "3";
+    const std::vector<std::vector<const char*>> numbers = {
+        {}, {"rotate_x", "rotate_y", "rotate_z"}, {"rotate_x", "rotate_y", "rotate_z", "move_z", "scale_z"}, {}};
+    for (std::size_t j = 0; j < 4; ++j) {
+      nlohmann::ordered_json joint = {{"name", rig.joints[j].name}, {"rest", rig.joints[j].rest}};
+      if (j > 0) joint["parent"] = j - 1;
+      if (!numbers[j].empty()) joint["numbers"] = numbers[j];
+      fields["joints"].push_back(joint);
+    }
+  }
+
+  RigMessage hello() const {
+    RigMessage message{fields.dump(), {}};
+    append<float>(message, rig.rest.points);
+    append<std::uint32_t>(message, rig.rest.polygon_sizes);
+    append<std::uint32_t>(message, rig.rest.polygon_corners);
+    append<std::uint16_t>(message, rig.of_vertices);
+    append<float>(message, rig.weights);
+    return message;
+  }
+
+  RigMessage points(const std::vector<float>& poses, const std::function<void(std::vector<float>&)>& change = {}) {
+    const std::size_t count = poses.size() / 6;
+    std::vector<float> positions(count * rig.rest.points.size()), frames(count * 4 * 12);
+    FaceRig::evaluate(&rig, count, poses.data(), positions.data(), nullptr, frames.data(), nullptr, 0);
+    if (change) change(frames);
+    RigMessage message{"{\"type\": \"points\", \"poses\": " + std::to_string(count) + "}", {}};
+    append<float>(message, positions);
+    append<float>(message, frames);
+    return message;
+  }
+
+  template <class T>
+  static void append(RigMessage& message, std::span<const T> values) {
+    const auto bytes = std::as_bytes(values);
+    message.data.insert(message.data.end(), bytes.begin(), bytes.end());
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a child may give poses after skinning, with frames of joints") {
+  SkinnedChild child;
+  RigSource source(child.rig.rig);
+  const RigDescription description = description_of(child.hello());
+  CHECK(description.rest.driven == source.rest().driven);
+  CHECK(description.rest.points == source.rest().points);
+  CHECK(description.character.joints.size() == 1);
+  CHECK(description.version.starts_with("3 (skin "));
+  CHECK(answer_floats(description) == 3 * 108 + 4 * 12);
+  const std::vector<float> poses = {0.5f, -1, 1, -1, 1, 0.75f, 0, 0, 0.25f, 0, 0, 1};
+  std::vector<float> points(2 * source.rest().points.size()), answered = points;
+  source.evaluate(poses, 2, points);
+  CHECK(!read_answer(child.points(poses), description, 2, answered));
+  CHECK(answered == points);
+  // A pose whose joints cannot be taken out is one that fails.
+  const auto failed = read_answer(child.points(poses, [](std::vector<float>& f) { std::fill_n(&f[60], 12, 0.0f); }),
+                                  description, 2, answered);
+  REQUIRE(failed);
+  CHECK(failed->pose == 1);
+  CHECK_MESSAGE(contains(failed->reason, "\"jaw\" is mirrored or flat"), failed->reason);
+  RigMessage cut = child.points(poses);
+  cut.data.resize(cut.data.size() - 48);
+  CHECK(
+      contains(failure(Status::rig, [&] { read_answer(cut, description, 2, answered); }), "poses in 2976 bytes were"));
+}
+
+TEST_CASE("what a child says wrongly of its joints is refused") {
+  const auto refused = [](const std::function<void(SkinnedChild&)>& change, const char* message) {
+    SkinnedChild child;
+    change(child);
+    const std::string what = failure(Status::rig, [&] { description_of(child.hello()); });
+    CHECK_MESSAGE(contains(what, message), what);
+  };
+  refused([](SkinnedChild& c) { c.fields["skinned"] = false; }, "joints has numbers without \"skinned\"");
+  refused([](SkinnedChild& c) { c.fields["joints"][1]["numbers"][0] = "turn"; }, "\"turn\" is none of rotate_x");
+  refused([](SkinnedChild& c) { c.fields["skinned"] = 1; }, "skinned");
+  refused(
+      [](SkinnedChild& c) {
+        c.fields["driven_joints"] = {{{"name", "lid"}, {"numbers", {"move_x"}}, {"frame", c.rig.joints[0].rest}}};
+      },
+      "\"skinned\"");
+  refused([](SkinnedChild& c) { c.rig.weights[0] = 0.5f; }, "weights of joints that sum to 0.5, not 1");
+  refused([](SkinnedChild& c) { c.rig.of_vertices[0] = 4; }, "vertex 0 follows joint 4 of 4");
+}
+
+TEST_CASE("where controls move all joints, vertices may stay partly where they are") {
+  FaceRig rig;
+  rig.numbers[0] = FB_JOINT_ROTATE;
+  rig.weights[0] = 0.5f;
+  RigSource source(rig.rig);
+  CHECK(source.character().joints.empty());
+  CHECK(source.character().skin.influences == 0);
+  CHECK(source.rest().driven.joints.size() == 4);
+  CHECK(source.rest().driven.skin.weights[0] == 0.5f);
+  rig.weights[0] = 1.5f;
+  CHECK(contains(failure(Status::rig, [&] { RigSource(rig.rig); }), "weights of joints that sum to 1.5, more than 1"));
+}
+
 TEST_CASE("a face with driven joints is nearer to its rig than one that learns what they do") {
   FaceRig rig;
   RigSource source(rig.rig);
@@ -326,18 +441,6 @@ TEST_CASE("weights are rounded to sum to 1, and what does not is told") {
   round_weights(driven.skin);
   const std::string what = failure(Status::bad_data, [&] { check(driven, 1); });
   CHECK_MESSAGE(contains(what, "vertex 0 has weights of driven joints that sum to 1.25, more than 1"), what);
-}
-
-TEST_CASE("where no joint is a host's, what weights leave stays where it is") {
-  FaceRig rig;
-  rig.numbers[0] = FB_JOINT_ROTATE;
-  for (float& weight : std::span(rig.weights).first(48)) weight /= 2;
-  for (float& weight : std::span(rig.weights).first(12)) weight = 0;
-  RigSource source(rig.rig);
-  CHECK(source.character().skin.influences == 0);
-  const Skin& skin = source.rest().driven.skin;
-  CHECK(skin.weights[0] == 0);
-  CHECK(skin.weights[std::size_t{12} * skin.influences] + skin.weights[std::size_t{12} * skin.influences + 1] == 0.5f);
 }
 
 TEST_CASE("what a rig says wrongly of its joints is refused") {
