@@ -15,6 +15,7 @@ from .channels import Channel, SceneControl, SettingsError, channel_fields
 FORMAT = "facebaker-blender"
 VERSION = 1
 MODIFIER_POLICIES = ("refuse", "apply", "off")
+JOINT_POLICIES = ("keep", "none")
 SPLITS = ("train", "validation", "test")
 
 Path = Union[str, "os.PathLike[str]"]
@@ -61,7 +62,9 @@ class BakeOptions:
 class BakeSettings:
     """meshes: names of mesh objects, in the order of the face's vertices. reference: the object in whose space positions
     are ("": the first mesh). modifiers: what happens to modifiers that change the number of vertices: "refuse" names
-    them and stops; "apply" bakes the mesh as they make it; "off" switches them off during the bake."""
+    them and stops; "apply" bakes the mesh as they make it; "off" switches them off during the bake. driven_joints: what
+    becomes of bones that the controls move: "keep" makes them joints of the face, where meshes follow them by linear
+    blend skinning; with "none" vertices alone learn what they do."""
 
     name: str
     meshes: Tuple[str, ...]
@@ -70,6 +73,7 @@ class BakeSettings:
     shots: Tuple[Shot, ...] = ()
     modifiers: str = "refuse"
     bake: BakeOptions = field(default_factory=BakeOptions)
+    driven_joints: str = "keep"
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -78,6 +82,8 @@ class BakeSettings:
             raise SettingsError("no mesh is chosen")
         if self.modifiers not in MODIFIER_POLICIES:
             raise SettingsError(f'modifiers "{self.modifiers}" is none of {", ".join(MODIFIER_POLICIES)}')
+        if self.driven_joints not in JOINT_POLICIES:
+            raise SettingsError(f'driven_joints "{self.driven_joints}" is none of {", ".join(JOINT_POLICIES)}')
         for what, names in (("mesh", list(self.meshes)), ("control", [control.name for control in self.controls])):
             repeated = sorted({name for name in names if names.count(name) > 1}) if len(set(names)) < len(names) else []
             if repeated:
@@ -106,6 +112,7 @@ def settings_document(settings: BakeSettings) -> Dict[str, Any]:
         "meshes": list(settings.meshes),
         "reference": settings.reference,
         "modifiers": settings.modifiers,
+        "driven_joints": settings.driven_joints,
         "bake": {**asdict(settings.bake), "extra": list(settings.bake.extra)},
         "shots": [asdict(shot) for shot in settings.shots],
         "controls": [_control_fields(control) for control in settings.controls],
@@ -162,6 +169,7 @@ def settings_of(document: Any) -> BakeSettings:
         reference=_typed(document, "reference", str, ""),
         shots=tuple(_record(Shot, item, "shot") for item in _typed_items(document, "shots", dict, [])),
         modifiers=_typed(document, "modifiers", str, "refuse"),
+        driven_joints=_typed(document, "driven_joints", str, "keep"),
         bake=_bake_options(_typed(document, "bake", dict, {})),
     )
 

@@ -22,7 +22,7 @@ if __name__ == "__main__":
     sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from facebaker_blender.bake_settings import (
-    MODIFIER_POLICIES, BakeOptions, BakeSettings, Shot, load_settings, save_settings,
+    JOINT_POLICIES, MODIFIER_POLICIES, BakeOptions, BakeSettings, Shot, load_settings, save_settings,
 )  # fmt: skip
 from facebaker_blender.channels import SettingsError, there_are
 from facebaker_blender.tool_command import add_package_path, find_tool
@@ -72,6 +72,9 @@ def _add_find_options(parser: argparse.ArgumentParser) -> None:
         help="of location, rotation, scale (default: %(default)s); others that are limited or animated are found anyway")  # fmt: skip
     add("--modifiers", choices=MODIFIER_POLICIES, default="refuse",
         help="what happens to modifiers that change the number of vertices (default: %(default)s)")  # fmt: skip
+    add("--driven-joints", choices=JOINT_POLICIES, default="keep",
+        help="what becomes of bones that the controls move: joints of the face, or none: vertices alone learn what they "
+        "do (default: %(default)s)")  # fmt: skip
     add("--train-shot", action="append", default=[], metavar="ACTION", help="a shot that may be learnt from (repeatable)")
     add("--keep-still", action="store_true", help="keep controls that move no vertex")
 
@@ -120,7 +123,7 @@ def found_settings(options: argparse.Namespace) -> BakeSettings:
     reference = armatures[0].name if armatures else meshes[0].name
     settings = BakeSettings(
         options.name or meshes[0].name, tuple(mesh.name for mesh in meshes), tuple(controls), reference,
-        modifiers=options.modifiers,
+        modifiers=options.modifiers, driven_joints=options.driven_joints,
     )  # fmt: skip
     if not options.keep_still:
         with SceneEvaluator(settings) as evaluator:

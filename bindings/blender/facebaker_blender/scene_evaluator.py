@@ -31,8 +31,9 @@ class SceneEvaluator:
     """The rig that settings describe, in the open file. Use it inside `with`: that prepares the scene (meshes shown,
     armatures posed, animation of controls still), and leaving it, also by an exception, restores all of it exactly.
 
-    Attributes, valid inside: vertex_counts, of each mesh; diagonal, of the rest positions' bounding box. SceneEvaluator.active:
-    how many are entered; previews wait until there is none."""
+    Attributes, valid inside: vertex_counts, of each mesh; diagonal, of the rest positions' bounding box; to_reference,
+    (4, 4), from the world to the space of positions, which are multiplied by `scale` there. SceneEvaluator.active: how
+    many are entered; previews wait until there is none."""
 
     active = 0
 
@@ -79,9 +80,9 @@ class SceneEvaluator:
         stack.callback(self._restore, state)  # first while all is shown: what is hidden would keep the last pose
         self._settle_modifiers(stack)
         self.rest_controls = np.array([control.rest for control in settings.controls], np.float32)
-        self._evaluate_scene(self.rest_controls)
+        self.pose_scene(self.rest_controls)
         # Positions are in the space that the reference has at rest: a face that it carries along moves.
-        self._to_reference = np.linalg.inv(world_matrix(self.evaluated(self.reference)))
+        self.to_reference = np.linalg.inv(world_matrix(self.evaluated(self.reference)))
         self.vertex_counts = [len(self.evaluated(mesh_object).data.vertices) for mesh_object in self.objects]
         if 0 in self.vertex_counts:
             raise SettingsError(f'"{settings.meshes[self.vertex_counts.index(0)]}" has no vertices')
@@ -120,7 +121,8 @@ class SceneEvaluator:
                 for modifier in count_changers(self.context, mesh_object):
                     _keep(stack, modifier, "show_viewport", False)
 
-    def _evaluate_scene(self, controls: "np.ndarray[Any, Any]") -> None:
+    def pose_scene(self, controls: "np.ndarray[Any, Any]") -> None:
+        """Has the scene evaluated with these values of the controls (controls,)."""
         self.channels.write(controls)
         self.context.view_layer.update()
         self._graph = self.context.evaluated_depsgraph_get()
@@ -132,7 +134,7 @@ class SceneEvaluator:
     def positions(self) -> "np.ndarray[Any, np.dtype[np.float32]]":
         """(vertices, 3), float32, of the scene as it is evaluated now. Raises SettingsError if a mesh has another number
         of vertices than at rest."""
-        return evaluated_positions(self.objects, self._graph, self._to_reference, self.scale, self.vertex_counts)
+        return evaluated_positions(self.objects, self._graph, self.to_reference, self.scale, self.vertex_counts)
 
     def evaluate(
         self, controls: "np.ndarray[Any, Any]", step: Optional[Callable[[int], Any]] = None
@@ -141,7 +143,7 @@ class SceneEvaluator:
         number of poses done."""
         result = np.empty((len(controls), *self.rest_positions.shape), np.float32)
         for pose, values in enumerate(np.asarray(controls, np.float32)):
-            self._evaluate_scene(values)
+            self.pose_scene(values)
             result[pose] = self.positions()
             if step:
                 step(pose + 1)

@@ -11,6 +11,7 @@ from .action_shots import shot_values
 from .bake_settings import BakeSettings
 from .control_names import other_side
 from .scene_evaluator import SceneEvaluator
+from .scene_joints import SceneJoints
 
 if TYPE_CHECKING:
     import facebaker
@@ -27,9 +28,10 @@ def scene_rig(evaluator: SceneEvaluator, version: str = "") -> "facebaker.Rig":
         facebaker.Control(c.name, c.group, c.minimum, c.maximum, c.rest, unit=c.channel.unit, mirror=c.mirror)
         for c in settings.controls
     ]
+    found = SceneJoints(evaluator) if settings.driven_joints == "keep" else None
     return facebaker.Rig(
         controls,
-        evaluator.evaluate,
+        _skinned(evaluator, found) if found and found.joints else evaluator.evaluate,
         name=settings.name,
         units=evaluator.units,
         up_axis="z",
@@ -39,10 +41,27 @@ def scene_rig(evaluator: SceneEvaluator, version: str = "") -> "facebaker.Rig":
         uv_polygons=uv_polygons,
         meshes=meshes,
         materials=materials,
+        joints=found.joints if found else (),
+        skin=found.skin if found else None,
+        skinned=bool(found and found.joints),
         clips=scene_clips(settings),
         version=version,
-        notes=_notes(settings),
+        notes=[*_notes(settings), *(found.notes if found else ())],
     )
+
+
+def _skinned(evaluator: SceneEvaluator, found: SceneJoints) -> Any:
+    """Of controls (poses, controls): positions and frames of joints, as facebaker.Rig takes them."""
+
+    def evaluate(controls: Any) -> Tuple[Any, Any]:
+        frames = np.empty((len(controls), len(found.joints), 3, 4), np.float32)
+
+        def keep_frames(done: int) -> None:
+            frames[done - 1] = found.frames()[:, :3]
+
+        return evaluator.evaluate(controls, keep_frames), frames
+
+    return evaluate
 
 
 def scene_clips(settings: BakeSettings) -> "List[facebaker.Clip]":

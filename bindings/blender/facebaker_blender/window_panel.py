@@ -45,7 +45,7 @@ class FACEBAKER_PT_rig(_SidebarPanel, bpy.types.Panel):
         for item in [*chosen.meshes, *chosen.armatures]:
             layout.prop(item, "object", text="")
         column = layout.column(align=True)
-        for name in "bones", "collections", "selected", "scales", "modifiers":
+        for name in "bones", "collections", "selected", "scales", "modifiers", "driven_joints":
             column.prop(chosen, name)
         layout.operator("facebaker.find")
         if chosen.controls:

@@ -16,6 +16,10 @@ MODIFIERS = (
     ("apply", "Apply", "Bake the mesh as they make it"),
     ("off", "Switch off", "Switch them off during the bake"),
 )
+JOINTS = (
+    ("keep", "Keep", "Bones that the controls move become joints of the face"),
+    ("none", "None", "Vertices alone learn what bones do"),
+)
 SPLITS = (("test", "Measure", "Errors are measured on it"), ("train", "Learn", "A bake for a backlot learns from it"))
 RECIPES = (
     ("hero", "Hero", "Most exact"),
@@ -84,6 +88,7 @@ class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
     selected: bpy.props.BoolProperty(name="Selected bones only")
     scales: bpy.props.BoolProperty(name="Scales", description="Of all bones, not only those that are limited or animated")
     modifiers: bpy.props.EnumProperty(name="Vertex count", items=MODIFIERS)
+    driven_joints: bpy.props.EnumProperty(name="Driven joints", items=JOINTS)
     controls: bpy.props.CollectionProperty(type=FACEBAKER_PG_control)
     control: bpy.props.IntProperty()
     shots: bpy.props.CollectionProperty(type=FACEBAKER_PG_shot)
@@ -115,11 +120,12 @@ class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
             tuple(Shot(item.name, item.first, item.last, item.split) for item in self.shots if item.use),
             self.modifiers,
             BakeOptions(self.recipe, self.use, self.rig_budget, workers=self.workers),
+            self.driven_joints,
         )
 
     def take(self, settings: BakeSettings) -> None:
         """Shows settings, of a file for instance."""
-        self.character, self.modifiers = settings.name, settings.modifiers
+        self.character, self.modifiers, self.driven_joints = settings.name, settings.modifiers, settings.driven_joints
         self.meshes.clear()
         for name in settings.meshes:
             self.meshes.add().object = bpy.data.objects.get(name)

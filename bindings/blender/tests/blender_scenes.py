@@ -162,6 +162,46 @@ def _limit(bone, kind, space="LOCAL", **settings):
         setattr(constraint, name, value)
 
 
+def chain_scene():
+    """A grid that a chain of the bones `base` and `tip` bends, between which and `still`, which has no controls, its
+    weights are blended. Shape key `puff` moves its upper half along y. A second mesh hangs on `copy`, which turns as
+    `lead` does."""
+    empty_scene()
+    face, ball = grid(), grid("ball", 3)
+    rig = armature([
+        ("root", (0, 0, -2), (0, 0, -1), ""),
+        ("still", (0, 0, -1), (0, 0, -0.5), "root"),
+        ("base", (0, 0, -0.5), (0, 0, 0.25), "root"),
+        ("tip", (0, 0, 0.25), (0, 0, 1), "base"),
+        ("lead", (2, 0, 0), (2, 0, 1), "root"),
+        ("copy", (0, 0.5, 0), (0, 0.5, 1), "root"),
+    ])  # fmt: skip
+    face.shape_key_add(name="Basis")
+    puff = face.shape_key_add(name="puff")
+    puff.value = 0
+    groups = {name: face.vertex_groups.new(name=name) for name in ("still", "base", "tip")}
+    for vertex, point in zip(face.data.vertices, puff.data):
+        height = vertex.co.z
+        point.co = vertex.co + _vector((0, 0.1 * (height > 0), 0))
+        tip, still = min(max(2 * height, 0), 1), min(max(-2 * height - 0.5, 0), 1)
+        for name, weight in (("tip", tip), ("still", still), ("base", max(1 - tip - still, 0))):
+            groups[name].add([vertex.index], weight, "REPLACE")
+    face.modifiers.new("Armature", "ARMATURE").object = rig
+    bones = rig.pose.bones
+    for bone in bones:
+        bone.rotation_mode, bone.lock_location = "XYZ", (True, True, True)
+        bone.lock_rotation = (bone.name not in ("base", "tip", "lead"),) * 3
+    bones["lead"].lock_rotation = (False, True, True)
+    for name in "base", "tip", "lead":
+        for axis in "xyz":
+            span = {f"use_limit_{axis}": True, f"min_{axis}": -0.6, f"max_{axis}": 0.6}
+            _limit(bones[name], "LIMIT_ROTATION", **span)
+    ball.parent, ball.parent_type, ball.parent_bone = rig, "BONE", "copy"
+    drive(rig, 'pose.bones["copy"].rotation_euler', rig, 'pose.bones["lead"].rotation_euler[0]', index=0)
+    bpy.context.view_layer.update()
+    return face, rig
+
+
 def two_rigs():
     """Two armatures with a bone "jaw" each, on which a grid each hangs: ann, bob and ann face, bob face."""
     empty_scene()

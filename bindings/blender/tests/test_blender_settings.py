@@ -31,7 +31,7 @@ def example():
     )
     shots = (Shot("talk", 1, 20), Shot("walk", 5, 9, "train"))
     bake = BakeOptions("compact", rig_budget=500, extra=("--max-bytes", "100000"))
-    return BakeSettings("Ann", ("face", "teeth"), controls, "rig", shots, "apply", bake)
+    return BakeSettings("Ann", ("face", "teeth"), controls, "rig", shots, "apply", bake, "none")
 
 
 class SettingsTest(unittest.TestCase):
@@ -74,6 +74,7 @@ class SettingsTest(unittest.TestCase):
             'split "learn"': lambda d: d["shots"][0].update(split="learn"),
             "ends at frame 0": lambda d: d["shots"][0].update(last=0),
             'modifiers "bake"': lambda d: d.update(modifiers="bake"),
+            'driven_joints "auto" is none of keep, none': lambda d: d.update(driven_joints="auto"),
         }
         for message, change in cases.items():
             self.assertIn(message, broken(change))
@@ -81,7 +82,8 @@ class SettingsTest(unittest.TestCase):
     def test_the_digest_is_of_the_deformation(self):
         settings = example()
         digest = settings.deformation
-        self.assertEqual(BakeSettings("Ann", settings.meshes, settings.controls, "rig", (), "apply").deformation, digest)
+        same = BakeSettings("Ann", settings.meshes, settings.controls, "rig", (), "apply", driven_joints="none")
+        self.assertEqual(same.deformation, digest)
         self.assertNotEqual(settings.without(["smile"]).deformation, digest)
 
     def test_controls_of_one_name(self):
