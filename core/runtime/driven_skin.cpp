@@ -3,23 +3,14 @@
 #include <algorithm>
 #include <bit>
 
+#include "model/joint_rotation.h"
+
 namespace fb::runtime {
 namespace {
 
-// sin(x) / x and (1 - cos(x)) / x^2 as polynomials in x^2, from the lowest power up, for x up to 2 pi: Chebyshev
-// approximations of degree 8 that are exact at 0, rounded to floats; within 1.3e-6 and 2.5e-7, to pi within 1.5e-7 and
-// 5.6e-8.
-constexpr float sine[] = {1.0f,           -0.16666667f,    0.00833333f,    -0.00019841081f,
-                          2.7553501e-06f, -2.5014108e-08f, 1.5851925e-10f, -7.011425e-13f,
-                          1.7545592e-15f};
-constexpr float cosine[] = {0.5f,           -0.041666668f,   0.0013888887f,
-                            -2.480149e-05f, 2.7555345e-07f,  -2.0857125e-09f,
-                            1.1363965e-11f, -4.4529386e-14f, 1.02308114e-16f};
-constexpr float most_squared = 40;  // radians squared
-
-float horner(const float (&coefficients)[9], float x) {
-  float sum = coefficients[8];
-  for (std::size_t i = 8; i > 0; --i) sum = sum * x + coefficients[i - 1];
+float horner(const RotationPolynomial& coefficients, float x) {
+  float sum = coefficients[0];
+  for (std::size_t i = 1; i < coefficients.size(); ++i) sum = sum * x + coefficients[i];
   return sum;
 }
 
@@ -37,8 +28,8 @@ Vector along_axes(const std::array<float, 12>& rest, const float* n) {
 // The rotation about a vector, less the identity.
 void rotate(const Vector& v, Change& to) {
   const auto [x, y, z] = v;
-  const float square = (x * x + y * y) + z * z, angle = square < most_squared ? square : most_squared;
-  const float s = horner(sine, angle), c = horner(cosine, angle);
+  const float square = (x * x + y * y) + z * z, angle = square < most_squared_angle ? square : most_squared_angle;
+  const float s = horner(rotation_sine, angle), c = horner(rotation_cosine, angle);
   to[0] = -c * (y * y + z * z);
   to[5] = -c * (x * x + z * z);
   to[10] = -c * (x * x + y * y);

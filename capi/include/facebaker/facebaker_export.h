@@ -16,11 +16,11 @@ struct fb_report;
 
 /** Writes a face as an ONNX model of operator set 13: input "controls", float32 [n, controls], which are clamped to
  * their ranges inside; output "positions", float32 [n, vertices, 3]; where the face has channels also "channels",
- * float32 [n, channels]. It computes what fb_evaluate does
- * at level of detail 0, rounding included: positions are its own to some 1e-7 of the diagonal (docs/export.md has
- * figures). The model's
- * properties say which controls, units and licence it has. The file appears complete or not at all. The document of
- * `report`, which may be null: {"file", "nodes", "parameters"}. Fails with LIMIT beyond the 2 GB of an ONNX file, and
+ * float32 [n, channels]; where it has driven joints also "joints", float32 [n, joints, 3, 4], as fb_batch_desc::joints
+ * has them. It computes what fb_evaluate does at level of detail 0, rounding included: positions are its own to some
+ * 1e-7 of the diagonal (docs/export.md has figures). The model's properties say which controls, units and licence it
+ * has. The file appears complete or not at all. The document of `report`, which may be null: {"file", "nodes",
+ * "parameters"}. Fails with LIMIT beyond the 2 GB of an ONNX file, and
  * with IO. Thread-safe. */
 FB_API fb_status fb_export_onnx(const fb_archive* archive, const char* path, struct fb_report** report);
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "bake/export/onnx_basis.h"
+#include "bake/export/onnx_driven_joints.h"
 #include "bake/export/onnx_graph.h"
 #include "bake/export/onnx_layers.h"
 #include "base/checked.h"
@@ -210,15 +211,17 @@ void add_channels(OnnxGraph& graph, const PackedModel& model, const std::string&
 
 std::vector<std::pair<std::string, std::string>> properties_of(const PackedModel& model, const OnnxTexts& texts) {
   using Json = nlohmann::ordered_json;
-  Json controls = Json::array(), channels = Json::array();
+  Json controls = Json::array(), channels = Json::array(), joints = Json::array();
   for (const Control& c : model.schema.controls)
     controls.push_back({{"name", c.name}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}});
   for (const Channel& c : model.schema.channels) channels.push_back(c.name);
+  for (const DrivenJoint& joint : model.rest.driven.joints) joints.push_back(joint.name);
   const auto text = [](const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); };
   std::vector<std::pair<std::string, std::string>> properties = {{"facebaker.controls", text(controls)},
                                                                  {"facebaker.units", model.schema.units},
                                                                  {"facebaker.up_axis", model.schema.up_axis}};
   if (!channels.empty()) properties.emplace_back("facebaker.channels", text(channels));
+  if (!joints.empty()) properties.emplace_back("facebaker.joints", text(joints));
   if (!texts.licence.empty()) properties.emplace_back("facebaker.licence", texts.licence);
   if (!model.character.about.empty()) properties.emplace_back("facebaker.about", model.character.about);
   return properties;
@@ -227,11 +230,6 @@ std::vector<std::pair<std::string, std::string>> properties_of(const PackedModel
 }  // namespace
 
 OnnxFace write_onnx(const std::filesystem::path& path, const PackedModel& model, const OnnxTexts& texts) {
-  if (!model.rest.driven.empty())
-    fail(Status::unsupported,
-         "\"%s\" has joints that its controls drive, which an ONNX model does not have: bake it with \"--driven-joints "
-         "none\", or export frames",
-         model.schema.name.c_str());
   OnnxFace size;
   OnnxGraph graph;
   const auto controls = static_cast<std::int64_t>(model.schema.control_count()),
@@ -245,9 +243,19 @@ OnnxFace write_onnx(const std::filesystem::path& path, const PackedModel& model,
         graph.node("Slice", "surface",
                    {all, graph.integers("begin", begin), graph.integers("end", end), graph.integers("axis", axis)});
   }
-  const std::int64_t shape[] = {0, vertices, 3};  // 0: as in the input
-  graph.output("positions", graph.node("Reshape", "positions", {surface, graph.integers("shape", shape)}),
-               {vertices, 3});
+  const auto shaped = [&](const std::string& positions, std::span<const std::int64_t> shape) {
+    return graph.node("Reshape", "positions", {positions, graph.integers("shape", shape)});
+  };
+  const std::int64_t vectors[] = {0, vertices, 3};  // 0: as in the input
+  const DrivenJoints& driven = model.rest.driven;
+  if (!driven.empty()) {
+    const std::int64_t columns[] = {0, vertices, 1, 3};
+    const std::string changes = add_joint_changes(graph, model.rest, all);
+    surface = add_driven_skin(graph, model.rest, shaped(surface, columns), changes, size.parameters);
+    graph.output("joints", add_joint_frames(graph, driven, changes),
+                 {static_cast<std::int64_t>(driven.joints.size()), 3, 4});
+  }
+  graph.output("positions", shaped(surface, vectors), {vertices, 3});
   add_channels(graph, model, all);
   size.nodes = graph.nodes();
   graph.write(path, model.schema.name, texts.producer_version, properties_of(model, texts));

@@ -91,6 +91,13 @@ std::string OnnxGraph::node(const std::string& type, const std::string& label, c
   return name;
 }
 
+std::string OnnxGraph::polynomial(const std::string& label, const std::string& x, std::span<const float> coefficients) {
+  std::string value = number(label, coefficients[0]);
+  for (const float next : coefficients.subspan(1))
+    value = node("Add", label, {node("Mul", label, {value, x}), number(label, next)});
+  return value;
+}
+
 void OnnxGraph::input(const std::string& name, const std::vector<std::int64_t>& shape) {
   graph_.message(11, onnx_value(name, shape));
 }

@@ -30,6 +30,8 @@ class OnnxGraph {
   std::string number(const std::string& label, float value);                             // a scalar
   std::string node(const std::string& type, const std::string& label, const std::vector<std::string>& inputs,
                    const std::vector<OnnxAttribute>& attributes = {});
+  // The value of a polynomial of each x, by Horner's rule, from the highest power down.
+  std::string polynomial(const std::string& label, const std::string& x, std::span<const float> coefficients);
 
   // An input or output of the whole: float32, a dimension of a batch, which is named "n", and then `shape`.
   void input(const std::string& name, const std::vector<std::int64_t>& shape);

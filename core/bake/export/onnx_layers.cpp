@@ -36,15 +36,6 @@ struct LayerDigits {
   }
 };
 
-// The value of a polynomial of s, by Horner's rule, from the highest power down.
-std::string polynomial(OnnxGraph& graph, const std::string& label, const std::string& s,
-                       std::span<const float> coefficients) {
-  std::string value = graph.number(label, coefficients[0]);
-  for (const float next : coefficients.subspan(1))
-    value = graph.node("Add", label, {graph.node("Mul", label, {value, s}), graph.number(label, next)});
-  return value;
-}
-
 // rational_tanh() of activation.h, whose numbers these are: ONNX' Tanh is not its equal to the last bits, and inputs of
 // the next layer that round the other way show.
 std::string add_tanh(OnnxGraph& graph, const std::string& label, const std::string& y) {
@@ -56,8 +47,8 @@ std::string add_tanh(OnnxGraph& graph, const std::string& label, const std::stri
   constexpr float end = 7.90531110763549805f;
   const std::string x = graph.node("Clip", label, {y, graph.number(label, -end), graph.number(label, end)});
   const std::string s = graph.node("Mul", label, {x, x});
-  const std::string upper = graph.node("Mul", label, {x, polynomial(graph, label, s, p)});
-  return graph.node("Div", label, {upper, polynomial(graph, label, s, q)});
+  const std::string upper = graph.node("Mul", label, {x, graph.polynomial(label, s, p)});
+  return graph.node("Div", label, {upper, graph.polynomial(label, s, q)});
 }
 
 std::string add_activation(OnnxGraph& graph, const std::string& label, Activation activation, const std::string& y) {

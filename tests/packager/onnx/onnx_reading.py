@@ -159,6 +159,7 @@ OPERATORS = {
     "Max": lambda x, a: np.maximum(x[0], x[1]),
     "Min": lambda x, a: np.minimum(x[0], x[1]),
     "Mul": lambda x, a: x[0] * x[1],
+    "Neg": lambda x, a: -x[0],
     "ReduceMax": lambda x, a: x[0].max(**reduce_axes(x, a)),
     "ReduceSum": lambda x, a: x[0].sum(**reduce_axes(x, a)),
     "Relu": lambda x, a: np.maximum(x[0], np.float32(0)),
@@ -166,6 +167,7 @@ OPERATORS = {
     "Round": lambda x, a: np.rint(x[0]),
     "Slice": slice_,
     "Sub": lambda x, a: x[0] - x[1],
+    "Transpose": lambda x, a: np.transpose(x[0], a["perm"]),
     "Unsqueeze": lambda x, a: np.expand_dims(x[0], tuple(int(i) for i in x[1])),
 }
 

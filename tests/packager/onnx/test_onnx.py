@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """test_onnx.py FACEBAKER FACE.fbk...: the ONNX model that is exported of a face, evaluated by NumPy, gives the positions
-of the evaluator within 1e-5 of the diagonal, at rest, at the ends of all ranges, beyond them, and in between."""
+of the evaluator within 1e-5 of the diagonal, at rest, at the ends of all ranges, beyond them, and in between, and the
+frames of driven joints that the independent reader of tests/conformance finds."""
 import json
 import pathlib
 import subprocess
@@ -9,6 +10,9 @@ import tempfile
 
 import numpy as np
 
+sys.path.append(str(pathlib.Path(__file__).parents[2] / "conformance"))
+import fbk_evaluate
+from fbk_read import Face
 from onnx_reading import Model, read_mdd
 
 TOLERANCE = 1e-5  # over the diagonal
@@ -44,6 +48,28 @@ def write_poses(face, onnx, folder):
     return model, poses, read_mdd(folder / "poses.mdd")
 
 
+def check_joints(face, model, poses, diagonal):
+    """Gives whether there are driven joints."""
+    archived = Face(face.read_bytes())
+    names = [joint.name for joint in archived.driven]
+    assert json.loads(model.properties.get("facebaker.joints", "[]")) == names
+    if not names:
+        assert "joints" not in model.outputs
+        return False
+    assert model.outputs["joints"] == ["n", len(names), 3, 4], model.outputs
+    with np.errstate(all="ignore"):
+        expected = np.array([fbk_evaluate.evaluate(archived, pose)[2] for pose in poses])
+    found = model.run(poses)["joints"]
+    assert found.shape == (len(poses), len(names), 3, 4)
+    off = np.abs(found - expected.reshape(found.shape)).max(axis=(0, 1, 2))
+    moved = np.abs(found - found[0]).max()
+    print(f"{face.name}: {len(names)} joints, axes off by at most {off[:3].max():.1e}, origins by {off[3] / diagonal:.1e} "
+          "of the diagonal")
+    assert off[:3].max() <= TOLERANCE and off[3] <= TOLERANCE * diagonal, f"{face.name}: joints are off by {off}"
+    assert moved > 1e-3, f"{face.name}: no joint moves"
+    return True
+
+
 def check(face, folder):
     model, poses, expected = write_poses(face, folder / "face.onnx", folder)
     vertices = expected.shape[1]
@@ -61,13 +87,14 @@ def check(face, folder):
     assert np.abs(wild).max() <= np.abs(found).max() + 10 * diagonal, "controls are not clamped"
     print(f"{face.name}: {len(poses)} poses, off by at most {off:.1e} of the diagonal, {len(model.nodes)} nodes")
     assert off <= TOLERANCE, f"{face.name}: {off} of the diagonal"
-    return moves
+    return moves, check_joints(face, model, poses[::7], diagonal)
 
 
 def main(faces):
     with tempfile.TemporaryDirectory() as folder:
-        moving = [face for face in faces if check(pathlib.Path(face), pathlib.Path(folder))]
-    assert 2 * len(moving) > len(faces), f"only {len(moving)} of {len(faces)} faces move"
+        moving, driven = np.sum([check(pathlib.Path(face), pathlib.Path(folder)) for face in faces], axis=0)
+    assert 2 * moving > len(faces), f"only {moving} of {len(faces)} faces move"
+    assert driven > 0, "no face has driven joints"
 
 
 if __name__ == "__main__":
