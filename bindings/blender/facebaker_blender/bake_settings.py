@@ -73,7 +73,7 @@ class BakeSettings:
     shots: Tuple[Shot, ...] = ()
     modifiers: str = "refuse"
     bake: BakeOptions = field(default_factory=BakeOptions)
-    driven_joints: str = "keep"
+    driven_joints: str = "none"
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -169,7 +169,7 @@ def settings_of(document: Any) -> BakeSettings:
         reference=_typed(document, "reference", str, ""),
         shots=tuple(_record(Shot, item, "shot") for item in _typed_items(document, "shots", dict, [])),
         modifiers=_typed(document, "modifiers", str, "refuse"),
-        driven_joints=_typed(document, "driven_joints", str, "keep"),
+        driven_joints=_typed(document, "driven_joints", str, "none"),
         bake=_bake_options(_typed(document, "bake", dict, {})),
     )
 

@@ -72,9 +72,9 @@ def _add_find_options(parser: argparse.ArgumentParser) -> None:
         help="of location, rotation, scale (default: %(default)s); others that are limited or animated are found anyway")  # fmt: skip
     add("--modifiers", choices=MODIFIER_POLICIES, default="refuse",
         help="what happens to modifiers that change the number of vertices (default: %(default)s)")  # fmt: skip
-    add("--driven-joints", choices=JOINT_POLICIES, default="keep",
-        help="what becomes of bones that the controls move: joints of the face, or none: vertices alone learn what they "
-        "do (default: %(default)s)")  # fmt: skip
+    add("--driven-joints", choices=JOINT_POLICIES, default="none",
+        help="what becomes of bones that the controls move: keep, they are joints of the face; or none, vertices alone "
+        "learn what they do (default: %(default)s)")  # fmt: skip
     add("--train-shot", action="append", default=[], metavar="ACTION", help="a shot that may be learnt from (repeatable)")
     add("--keep-still", action="store_true", help="keep controls that move no vertex")
 

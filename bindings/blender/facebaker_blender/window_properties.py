@@ -88,7 +88,7 @@ class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
     selected: bpy.props.BoolProperty(name="Selected bones only")
     scales: bpy.props.BoolProperty(name="Scales", description="Of all bones, not only those that are limited or animated")
     modifiers: bpy.props.EnumProperty(name="Vertex count", items=MODIFIERS)
-    driven_joints: bpy.props.EnumProperty(name="Driven joints", items=JOINTS)
+    driven_joints: bpy.props.EnumProperty(name="Driven joints", items=JOINTS, default="none")
     controls: bpy.props.CollectionProperty(type=FACEBAKER_PG_control)
     control: bpy.props.IntProperty()
     shots: bpy.props.CollectionProperty(type=FACEBAKER_PG_shot)

@@ -4,6 +4,7 @@ import json
 import pathlib
 import tempfile
 import unittest
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -22,7 +23,7 @@ TURNS = FindOptions(kinds=("rotation",))
 
 def settings_of_scene(options=TURNS):
     settings, _ = found(options, "rig")
-    return settings
+    return replace(settings, driven_joints="keep")
 
 
 def joints_of_scene(settings):
