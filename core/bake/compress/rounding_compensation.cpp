@@ -13,8 +13,8 @@ namespace {
 // size. By the first, errors are not moved into columns that follow by chance, where values are rounded so coarsely
 // that many more of them would be other than 0. By the second, not into columns whose coefficients few of the poses
 // use, and barely: the values would grow until those few poses come out well, and all others wrong in which these are
-// large. Without it, four controls of a sample face at the ends of their ranges move a vertex by 0.4 of the diagonal,
-// where the rig does not (compact, 2,000 poses; `bench_worst_poses`); with more than 0.03 the error rises.
+// large. Without it, four controls of a sample face at the ends of their ranges moved a vertex by 0.4 of the diagonal,
+// where the rig does not (compact, 2,000 poses; `bench_worst_poses`); with more than 0.03 the error rose.
 constexpr double ridge = 0.1, rare_ridge = 0.03;
 
 // The rows of M without the diagonal, of coefficients in some poses, poses x columns, divided by `sizes`.
