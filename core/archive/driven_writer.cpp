@@ -9,6 +9,8 @@ ByteWriter write_driven_joints(const DrivenJoints& driven) {
     out.string(joint.name, "a driven joint's name");
     out.number(joint.parent);
     out.number(static_cast<std::uint16_t>(joint.numbers));
+    out.number(static_cast<std::uint8_t>(joint.outer_rotations.size()));
+    out.numbers(joint.outer_rotations);
     for (const float value : joint.rest) out.number(value);
   }
   out.numbers(driven.scales);

@@ -29,6 +29,12 @@ void check_driven_joints(const std::vector<DrivenJoint>& joints) {
       fail(Status::limit, "driven joint \"%s\" has more than %zu joints above it", name, most_joint_depth - 1);
     if (joint.numbers >> numbers_a_joint != 0)
       fail(Status::bad_data, "driven joint \"%s\" has numbers that are unknown", name);
+    if (joint.outer_rotations.size() > most_outer_rotations)
+      fail(Status::limit, "driven joint \"%s\" has %zu outer rotations; it may have %zu", name,
+           joint.outer_rotations.size(), most_outer_rotations);
+    for (const std::uint8_t rotation : joint.outer_rotations)
+      if (rotation == 0 || rotation > joint_rotation)
+        fail(Status::bad_data, "driven joint \"%s\" has an outer rotation with the numbers 0x%x", name, rotation);
     if (!std::all_of(joint.rest.begin(), joint.rest.end(), [](float value) { return std::isfinite(value); }))
       fail(Status::not_finite, "driven joint \"%s\" has a frame that is not finite", name);
   }
@@ -54,9 +60,25 @@ void check_influences_of(const Skin& skin, std::size_t vertex, std::size_t joint
 
 }  // namespace
 
+std::vector<std::uint8_t> DrivenJoint::number_kinds() const {
+  std::vector<std::uint8_t> kinds;
+  for (std::uint8_t n = 0; n < numbers_a_joint; ++n)
+    if (numbers >> n & 1) kinds.push_back(n);
+  for (const std::uint8_t rotation : outer_rotations)
+    for (std::uint8_t n = 0; n < 3; ++n)
+      if (rotation >> n & 1) kinds.push_back(n);
+  return kinds;
+}
+
+std::size_t DrivenJoint::number_count() const {
+  auto count = static_cast<std::size_t>(std::popcount(numbers));
+  for (const std::uint8_t rotation : outer_rotations) count += static_cast<std::size_t>(std::popcount(rotation));
+  return count;
+}
+
 std::size_t DrivenJoints::number_count() const {
   std::size_t count = 0;
-  for (const DrivenJoint& joint : joints) count += static_cast<std::size_t>(std::popcount(joint.numbers));
+  for (const DrivenJoint& joint : joints) count += joint.number_count();
   return count;
 }
 

@@ -12,11 +12,16 @@
 
 namespace fb {
 
-// The numbers that a joint may have, in its own axes at rest: a rotation vector (radians), a translation, and how much
-// it is longer along each axis than at rest (0: as at rest).
-inline constexpr std::size_t numbers_a_joint = 9;
-inline constexpr std::uint32_t joint_rotation = 0x7, joint_translation = 0x38, joint_scale = 0x1c0;
+// The numbers that a joint may have, in its own axes at rest: a rotation vector (radians), a translation, how much it
+// is longer along each axis than at rest (0: as at rest), and where the pivot, which it turns about, is from its
+// origin.
+inline constexpr std::size_t numbers_a_joint = 12;
+inline constexpr std::uint32_t joint_rotation = 0x7, joint_translation = 0x38, joint_scale = 0x1c0, joint_pivot = 0xe00;
+// A rig declares no pivots: frames of a pose do not tell them from translations. A bake finds them.
+inline constexpr std::uint32_t joint_numbers_of_rigs = joint_rotation | joint_translation | joint_scale;
 
+// Rotations of a joint outside of its first, at most.
+inline constexpr std::size_t most_outer_rotations = 15;
 // Parents of parents, at most: each rounds once more.
 inline constexpr std::size_t most_joint_depth = 256;
 // What a weight of 1 is in archives, where weights are whole numbers.
@@ -27,7 +32,14 @@ struct DrivenJoint {
   std::uint32_t parent = no_joint;  // index of a driven joint before it; none: it is moved in the space of positions
   std::uint32_t numbers = 0;        // bit n: it has number n; it has those only that move
   Frame<float> rest = {};           // in the space of positions: its axes, of length 1, and its origin
+  // Further rotations, each outside of those before it: bit n: it has number n, 0 to 2. Rotations that rigs make of
+  // several in an order, as Euler angles are, are sums of what single controls do only one by one.
+  std::vector<std::uint8_t> outer_rotations = {};
   bool operator==(const DrivenJoint&) const = default;
+
+  // Its numbers in their order: those of `numbers`, then those of outer rotations, each as 0 to 11.
+  std::vector<std::uint8_t> number_kinds() const;
+  std::size_t number_count() const;
 };
 
 // In memory the numbers of all joints, in the order of joints and their bits, are carried by the last vertices of the

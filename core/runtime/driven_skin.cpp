@@ -47,6 +47,16 @@ float times(const float* row, const Change& b, std::size_t column) {
   return (row[0] * b[column] + row[1] * b[4 + column]) + row[2] * b[8 + column];
 }
 
+// Rotates by what is there already, then about a vector: (outer + rotation) + outer x rotation.
+void turn_further(const Vector& v, Change& to) {
+  Change outer = {};
+  rotate(v, outer);
+  const Change rotation = to;
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b)
+      to[4 * a + b] = (outer[4 * a + b] + rotation[4 * a + b]) + times(&outer[4 * a], rotation, b);
+}
+
 // What lengthens the axes at rest, and then rotates: (rotation + lengthening) + rotation x lengthening.
 void lengthen(const std::array<float, 12>& rest, const float* n, Change& to) {
   Change lengths = {};
@@ -76,16 +86,19 @@ Change change_of(const float* matrix) {
 
 DrivenSkin::DrivenSkin(const PackedModel& model, std::span<const std::uint32_t> baked_index,
                        std::pmr::memory_resource& memory, std::pmr::memory_resource& heap)
-    : joints_(&memory), influences_(memory), block_joints_(memory) {
+    : joints_(&memory), scales_(&memory), outer_(&memory), influences_(memory), block_joints_(memory) {
   const DrivenJoints& driven = model.rest.driven;
   if (driven.empty()) return;
-  auto row = static_cast<std::uint32_t>(model.rest.first_joint_coordinate());
-  const float* scale = driven.scales.data();
+  first_row_ = model.rest.first_joint_coordinate();
+  auto row = static_cast<std::uint32_t>(first_row_);
+  scales_.assign(driven.scales.begin(), driven.scales.end());
   joints_.reserve(driven.joints.size());
   for (const DrivenJoint& from : driven.joints) {
-    Joint& joint = joints_.emplace_back(Joint{from.parent, row, from.numbers, from.rest, {}});
-    for (std::size_t n = 0; n < numbers_a_joint; ++n)
-      if (from.numbers >> n & 1) joint.scales[n] = *scale++, ++row;
+    const auto first = row, outer = static_cast<std::uint32_t>(outer_.size());
+    row += static_cast<std::uint32_t>(from.number_count());
+    outer_.insert(outer_.end(), from.outer_rotations.begin(), from.outer_rotations.end());
+    joints_.push_back(
+        {from.parent, first, row, from.numbers, outer, static_cast<std::uint32_t>(outer_.size()), from.rest});
   }
   const Skin& skin = driven.skin;
   const auto vertices = static_cast<std::uint32_t>(model.rest.surface_vertex_count());
@@ -114,13 +127,26 @@ DrivenSkin::DrivenSkin(const PackedModel& model, std::span<const std::uint32_t> 
 
 // `rows`: those of its numbers. parent: the matrix of a parent that moved, or null.
 void DrivenSkin::find_matrix(const Joint& joint, const float* rows, const float* parent, float* matrix) const {
+  const float* scale = &scales_[joint.first_row - first_row_];
+  const auto take = [&](std::uint32_t which, float* numbers) {
+    for (; which != 0; which &= which - 1) numbers[std::countr_zero(which)] = *scale++ * *rows++;
+  };
   float numbers[numbers_a_joint] = {};
-  for (std::size_t n = 0; n < numbers_a_joint; ++n)
-    if (joint.numbers >> n & 1) numbers[n] = joint.scales[n] * *rows++;
+  take(joint.numbers, numbers);
   Change change = {};
   rotate(along_axes(joint.rest, numbers), change);
+  for (std::uint32_t o = joint.first_outer; o < joint.end_outer; ++o) {
+    float vector[3] = {};
+    take(outer_[o], vector);
+    if (vector[0] != 0 || vector[1] != 0 || vector[2] != 0) turn_further(along_axes(joint.rest, vector), change);
+  }
+  Vector moved = along_axes(joint.rest, numbers + 3);
+  if (joint.numbers & joint_pivot) {
+    const Vector pivot = along_axes(joint.rest, numbers + 9);
+    for (std::size_t a = 0; a < 3; ++a)
+      moved[a] -= (change[4 * a] * pivot[0] + change[4 * a + 1] * pivot[1]) + change[4 * a + 2] * pivot[2];
+  }
   if (joint.numbers & joint_scale) lengthen(joint.rest, numbers + 6, change);
-  const Vector moved = along_axes(joint.rest, numbers + 3);
   const Vector origin = {joint.rest[3], joint.rest[7], joint.rest[11]};
   for (std::size_t a = 0; a < 3; ++a) {
     const float* const row = &change[4 * a];
@@ -142,7 +168,7 @@ void DrivenSkin::find_matrices(const float* rows, State& state) const {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];
     const float* const own = rows + joint.first_row;
-    const float* const end = own + std::popcount(joint.numbers);
+    const float* const end = rows + joint.end_row;
     float* const matrix = state.matrices.data() + joint_matrix_floats * j;
     const bool below = joint.parent != no_joint && state.moved[joint.parent];
     const float* const parent = below ? state.matrices.data() + joint_matrix_floats * joint.parent : nullptr;

@@ -45,15 +45,18 @@ class DrivenSkin {
 
  private:
   struct Joint {
-    std::uint32_t parent, first_row;  // of the row that its first number is in
+    std::uint32_t parent, first_row, end_row;  // rows of its numbers
     std::uint32_t numbers;
+    std::uint32_t first_outer, end_outer;  // of its outer rotations in outer_
     std::array<float, 12> rest;
-    std::array<float, numbers_a_joint> scales;  // of those it has
   };
 
   void find_matrix(const Joint& joint, const float* rows, const float* parent, float* matrix) const;
 
   std::pmr::vector<Joint> joints_;
+  std::pmr::vector<float> scales_;        // of all numbers
+  std::pmr::vector<std::uint8_t> outer_;  // of all joints: which numbers an outer rotation has
+  std::size_t first_row_ = 0;             // of all numbers
   CsrTable<JointInfluence> influences_;   // by vertex, in baked order
   CsrTable<std::uint32_t> block_joints_;  // by row block: the joints that its vertices follow
 };

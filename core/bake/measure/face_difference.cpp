@@ -80,8 +80,8 @@ std::string joints_text(const std::vector<DrivenJoint>& joints, const std::vecto
     const auto other = std::ranges::find(others, joint.name, &DrivenJoint::name);
     const bool found = other != others.end();
     if (found != common) continue;
-    if (found && joint.numbers == other->numbers && joint.rest == other->rest &&
-        parent(joints, joint) == parent(others, *other))
+    if (found && joint.numbers == other->numbers && joint.outer_rotations == other->outer_rotations &&
+        joint.rest == other->rest && parent(joints, joint) == parent(others, *other))
       continue;
     if (count < most_names) names += (count ? ", \"" : "\"") + joint.name + "\"";
     ++count;

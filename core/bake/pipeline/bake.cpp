@@ -8,6 +8,7 @@
 #include "archive/character_writer.h"
 #include "archive/container/container_writer.h"
 #include "archive/writer.h"
+#include "bake/analysis/live/compose_joints.h"
 #include "bake/compress/mesh_blocks.h"
 #include "bake/face/finish_face.h"
 #include "bake/levels/plan_levels.h"
@@ -26,6 +27,7 @@
 #include "bake/pipeline/scaled_archive.h"
 #include "bake/rig/about.h"
 #include "bake/rig/changed_rig.h"
+#include "bake/rig/composed_source.h"
 #include "bake/rig/jointless_source.h"
 #include "bake/rig/random_pose.h"
 #include "bake/rig/reuse_evaluations.h"
@@ -370,7 +372,7 @@ BakeOptions with_character(const BakeOptions& options, const Source& source, Pro
 
 }  // namespace
 
-Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
+static Baked bake_face(Source& source, const BakeOptions& given, Progress& progress, bool composed) {
   const bool keeps_joints = checked_recipe(given).keeps_joints;
   if (!source.rest().driven.empty() && (given.driven_joints == "none" || !keeps_joints)) {
     if (!keeps_joints)
@@ -378,7 +380,15 @@ Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
           format("\"%s\" learns what joints do to vertices: the face does not have those that its controls drive",
                  given.recipe.c_str()));
     JointlessSource jointless(source);
-    return bake_face(jointless, given, progress);
+    return bake_face(jointless, given, progress, true);
+  }
+  if (source.live() && checked_recipe(given).evaluates_rig && !source.rest().driven.empty() && !composed) {
+    RigEvaluator evaluator(source, given.parallel);
+    std::vector<JointComposition> compositions = compose_joints(evaluator, {}, progress);
+    if (!compositions.empty()) {
+      ComposedSource with_order(source, std::move(compositions));
+      return bake_face(with_order, given, progress, true);
+    }
   }
   const BakeOptions options = with_character(given, source, progress);
   Baked baked;
@@ -399,6 +409,10 @@ Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
     warn(baked, unmet, progress);
   }
   return baked;
+}
+
+Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
+  return bake_face(source, given, progress, false);
 }
 
 Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress) {

@@ -166,15 +166,16 @@ std::vector<Channel> read_channels(const JsonField& from) {
 namespace {
 
 // Of DrivenJoint::numbers, the lowest bit first.
-constexpr const char* number_names[numbers_a_joint] = {"rotate_x", "rotate_y", "rotate_z", "move_x", "move_y",
-                                                       "move_z",   "scale_x",  "scale_y",  "scale_z"};
+constexpr const char* number_names[numbers_a_joint] = {"rotate_x", "rotate_y", "rotate_z", "move_x",
+                                                       "move_y",   "move_z",   "scale_x",  "scale_y",
+                                                       "scale_z",  "pivot_x",  "pivot_y",  "pivot_z"};
 
-std::uint32_t numbers_of(const std::vector<JsonField>& list) {
+std::uint32_t numbers_of(const std::vector<JsonField>& list, std::uint32_t known) {
   std::uint32_t numbers = 0;
   for (const JsonField& number : list) {
     const std::string name = number.text();
     const auto found = std::ranges::find(number_names, name);
-    if (found == std::end(number_names))
+    if (found == std::end(number_names) || !(known >> (found - std::begin(number_names)) & 1))
       number.refuse(format("\"%s\" is none of rotate_x, move_x, scale_x and those of y and z", name.c_str()));
     numbers |= 1u << (found - std::begin(number_names));
   }
@@ -190,6 +191,11 @@ void write_driven_joints(const std::vector<DrivenJoint>& joints, ordered_json& t
     written["numbers"] = ordered_json::array();
     for (std::size_t n = 0; n < numbers_a_joint; ++n)
       if (joint.numbers >> n & 1) written["numbers"].push_back(number_names[n]);
+    for (const std::uint8_t rotation : joint.outer_rotations) {
+      ordered_json& outer = written["outer_rotations"].emplace_back(ordered_json::array());
+      for (std::size_t n = 0; n < 3; ++n)
+        if (rotation >> n & 1) outer.push_back(number_names[n]);
+    }
     written["frame"] = joint.rest;
   }
 }
@@ -197,7 +203,7 @@ void write_driven_joints(const std::vector<DrivenJoint>& joints, ordered_json& t
 std::vector<std::uint32_t> read_joint_numbers(const JsonField& from) {
   std::vector<std::uint32_t> numbers;
   for (const JsonField& joint : from["joints"].items_or_none())
-    numbers.push_back(numbers_of(joint["numbers"].items_or_none()));
+    numbers.push_back(numbers_of(joint["numbers"].items_or_none(), joint_numbers_of_rigs));
   return numbers;
 }
 
@@ -212,7 +218,12 @@ std::vector<DrivenJoint> read_driven_joints(const JsonField& from) {
       if (found == joints.end()) parent.refuse(format("\"%s\" is none of the joints before it", name.c_str()));
       joint.parent = static_cast<std::uint32_t>(found - joints.begin());
     }
-    joint.numbers = numbers_of(field["numbers"].items());
+    joint.numbers = numbers_of(field["numbers"].items(), joint_numbers_of_rigs | joint_pivot);
+    for (const JsonField& rotation : field["outer_rotations"].items_or_none()) {
+      const std::uint32_t outer = numbers_of(rotation.items(), joint_rotation);
+      if (outer == 0) rotation.refuse("an outer rotation has some of rotate_x, rotate_y, rotate_z");
+      joint.outer_rotations.push_back(static_cast<std::uint8_t>(outer));
+    }
     joints.push_back(std::move(joint));
   }
   return joints;

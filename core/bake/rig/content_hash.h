@@ -45,8 +45,10 @@ class ContentHash {
     if (!rig.rest().uvs.empty()) add(rig.rest().uvs).add(rig.rest().uv_corners);
     for (const MeshPart& part : rig.rest().parts) add(part.name).add(part.vertices).add(part.polygons);
     for (const Channel& c : rig.schema().channels) add(c.name).add(std::vector<float>{c.minimum, c.maximum, c.rest});
-    for (const DrivenJoint& j : rig.rest().driven.joints)
+    for (const DrivenJoint& j : rig.rest().driven.joints) {
       add(j.name).add(j.parent).add(j.numbers).add(std::span<const float>(j.rest));
+      if (!j.outer_rotations.empty()) add(j.outer_rotations);
+    }
     if (!rig.rest().driven.empty()) add(rig.rest().driven.skin.joints).add(rig.rest().driven.skin.weights);
     if (const std::string version = rig.version(); !version.empty()) add(version);
     return *this;

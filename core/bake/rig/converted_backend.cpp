@@ -13,7 +13,7 @@ void ConvertedBackend::evaluate_block(const EvaluationBlock& block) {
   std::vector<float> points(block.count * floats_);
   const auto finish = [&] {
     evaluated_ += backend_->evaluated() - before;
-    convert_(points, block.count, block.points);
+    convert_(block.controls, points, block.count, block.points);
   };
   try {
     backend_->evaluate_block({block.controls, block.count, points, block.answered});

@@ -12,7 +12,8 @@ namespace fb::bake {
 class ConvertedBackend final : public EvaluationBackend {
  public:
   // Writes points of poses from those of the other source.
-  using Convert = std::function<void(std::span<const float> from, std::size_t poses, std::span<float> to)>;
+  using Convert = std::function<void(std::span<const float> controls, std::span<const float> from, std::size_t poses,
+                                     std::span<float> to)>;
 
   // floats: of a pose of the other source.
   ConvertedBackend(std::unique_ptr<EvaluationBackend> backend, std::size_t floats, Convert convert);

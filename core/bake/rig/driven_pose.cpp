@@ -1,53 +1,22 @@
 #include "bake/rig/driven_pose.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "bake/rig/rotation_vector.h"
 #include "base/checked.h"
 #include "base/status.h"
 
 namespace fb::bake {
 namespace {
 
-using Axis = std::array<double, 3>;
 constexpr double pi = 3.14159265358979323846;
 constexpr double most_angle = 0.95 * pi;
 
 Axis column(const Frame<double>& frame, std::size_t c) {
   return {frame[c], frame[4 + c], frame[8 + c]};
 }
-double dot(const Axis& a, const Axis& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Frame<double> rotation_about(const Axis& v) {
-  const double squared = dot(v, v), angle = std::sqrt(squared);
-  const double s = angle < 1e-4 ? 1 - squared / 6 : std::sin(angle) / angle;
-  const double c = angle < 1e-4 ? 0.5 - squared / 24 : (1 - std::cos(angle)) / squared;
-  const auto [x, y, z] = v;
-  return {1 - c * (y * y + z * z), c * x * y - s * z,       c * x * z + s * y,       0,
-          c * x * y + s * z,       1 - c * (x * x + z * z), c * y * z - s * x,       0,
-          c * x * z - s * y,       c * y * z + s * x,       1 - c * (x * x + y * y), 0};
-}
-
-// The vector that rotation_about() turns into a rotation, of at most a half turn: by the quaternion, of which the
-// largest component is found first.
-Axis rotation_vector(const Frame<double>& r) {
-  const double squares[4] = {1 + r[0] + r[5] + r[10], 1 + r[0] - r[5] - r[10], 1 - r[0] + r[5] - r[10],
-                             1 - r[0] - r[5] + r[10]};  // of 2 w, 2 x, 2 y, 2 z
-  const double rows[4][4] = {{squares[0], r[9] - r[6], r[2] - r[8], r[4] - r[1]},
-                             {r[9] - r[6], squares[1], r[1] + r[4], r[2] + r[8]},
-                             {r[2] - r[8], r[1] + r[4], squares[2], r[6] + r[9]},
-                             {r[4] - r[1], r[2] + r[8], r[6] + r[9], squares[3]}};
-  const double* q = rows[std::max_element(squares, squares + 4) - squares];
-  const double sign = q[0] < 0 ? -1 : 1;
-  const Axis v = {sign * q[1], sign * q[2], sign * q[3]};
-  const double length = std::sqrt(dot(v, v));
-  if (length == 0) return {};
-  const double angle = 2 * std::atan2(length, sign * q[0]);
-  return {v[0] * angle / length, v[1] * angle / length, v[2] * angle / length};
-}
-
 double volume_of(const Frame<double>& frame) {
   const Axis x = column(frame, 0), y = column(frame, 1), z = column(frame, 2);
   return dot({x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]}, z);
@@ -73,12 +42,23 @@ std::optional<Frame<double>> closest_rotation(const Frame<double>& matrix) {
   return r;
 }
 
-// What a joint's numbers do in its own axes.
-Frame<double> own_motion(const double (&n)[numbers_a_joint]) {
+// What a joint's numbers, in their order, do in its own axes.
+Frame<double> own_motion(const DrivenJoint& joint, std::span<const double> numbers) {
+  double n[numbers_a_joint] = {};
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < numbers_a_joint; ++k)
+    if (joint.numbers >> k & 1) n[k] = numbers[at++];
   Frame<double> own = rotation_about({n[0], n[1], n[2]});
+  for (const std::uint8_t rotation : joint.outer_rotations) {
+    Axis outer = {};
+    for (std::size_t k = 0; k < 3; ++k)
+      if (rotation >> k & 1) outer[k] = numbers[at++];
+    own = product(rotation_about(outer), own);
+  }
   for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t c = 0; c < 3; ++c) own[4 * row + c] *= 1 + n[6 + c];
-    own[4 * row + 3] = n[3 + row];
+    double* const r = &own[4 * row];
+    r[3] = n[3 + row] + n[9 + row] - (r[0] * n[9] + r[1] * n[10] + r[2] * n[11]);
+    for (std::size_t c = 0; c < 3; ++c) r[c] *= 1 + n[6 + c];
   }
   return own;
 }
@@ -91,17 +71,17 @@ Frame<double> inverse_rest(const DrivenJoint& joint) {
 
 // The motion of a joint in the space of positions, from that of its parent and its own numbers.
 Frame<double> motion_of(const DrivenJoint& joint, std::span<const Frame<double>> motions, const Frame<double>& back,
-                        const double (&numbers)[numbers_a_joint]) {
+                        std::span<const double> numbers) {
   const Frame<double>& above = joint.parent == no_joint ? still_frame : motions[joint.parent];
   if (std::ranges::all_of(numbers, [](double number) { return number == 0; })) return above;
-  const Frame<double> here = product(product(to_double(joint.rest), own_motion(numbers)), back);
+  const Frame<double> here = product(product(to_double(joint.rest), own_motion(joint, numbers)), back);
   return joint.parent == no_joint ? here : product(above, here);
 }
 
 // Numbers that frames of floats cannot tell from 0 are 0, so that what no control moves is still.
 double without_noise(double number, std::size_t n, const DrivenJoint& joint) {
   constexpr double noise = 5e-7;
-  const bool moves = joint_translation >> n & 1;
+  const bool moves = (joint_translation | joint_pivot) >> n & 1;
   const float size = std::max({std::fabs(joint.rest[3]), std::fabs(joint.rest[7]), std::fabs(joint.rest[11])});
   return std::fabs(number) <= noise * (moves ? double(size) : 1) ? 0 : number;
 }
@@ -127,9 +107,9 @@ double reach_of(const Mesh& rest, const DrivenJoint& joint, std::size_t number, 
     Axis offset;
     for (std::size_t a = 0; a < 3; ++a) offset[a] = rest.points[3 * v + a] - origin[a];
     const double along = dot(axis, offset);
-    const double squared = number < 3   ? std::max(dot(offset, offset) - along * along, 0.0)
-                           : number < 6 ? 1
-                                        : along * along;
+    const double squared = joint_rotation >> number & 1 ? std::max(dot(offset, offset) - along * along, 0.0)
+                           : joint_scale >> number & 1  ? along * along
+                                                        : 1;
     sum += weights[v] * weights[v] * squared;
   }
   return std::sqrt(sum);
@@ -166,9 +146,8 @@ void add_joint_vertices(Mesh& rest) {
   const double least = 1e-3 * rest.diagonal();  // of joints that nothing follows
   for (std::uint32_t j = 0; j < driven.joints.size(); ++j) {
     const std::vector<double> weights = weights_below(rest, j);
-    for (std::size_t n = 0; n < numbers_a_joint; ++n)
-      if (driven.joints[j].numbers >> n & 1)
-        driven.scales.push_back(static_cast<float>(1 / std::max(reach_of(rest, driven.joints[j], n, weights), least)));
+    for (const std::uint8_t kind : driven.joints[j].number_kinds())
+      driven.scales.push_back(static_cast<float>(1 / std::max(reach_of(rest, driven.joints[j], kind, weights), least)));
   }
   const std::size_t carriers = (driven.scales.size() + 2) / 3;
   rest.carrier_vertices += checked_u32(carriers, "numbers of driven joints");
@@ -192,12 +171,13 @@ void find_joint_numbers(const DrivenJoints& driven, std::span<const Frame<double
       for (double& value : turned) value *= most_angle / angle;
     double all[numbers_a_joint] = {turned[0], turned[1], turned[2], own[3], own[7], own[11]};
     for (std::size_t a = 0; a < 3; ++a) all[6 + a] = dot(column(*rotation, a), column(own, a)) - 1;
-    for (std::size_t n = 0; n < numbers_a_joint; ++n) {
-      const bool has = joint.numbers >> n & 1;
-      if (has) numbers[at] = static_cast<float>(without_noise(all[n], n, joint));
-      all[n] = has ? numbers[at++] : 0;
+    std::vector<double> own_numbers;
+    for (const std::uint8_t kind : joint.number_kinds()) {
+      const bool outer = own_numbers.size() >= static_cast<std::size_t>(std::popcount(joint.numbers));
+      numbers[at] = outer ? 0 : static_cast<float>(without_noise(all[kind], kind, joint));
+      own_numbers.push_back(numbers[at++]);
     }
-    motions.push_back(motion_of(joint, motions, back, all));
+    motions.push_back(motion_of(joint, motions, back, own_numbers));
   }
 }
 
@@ -205,9 +185,9 @@ std::vector<Frame<double>> joint_motions(const DrivenJoints& driven, std::span<c
   std::vector<Frame<double>> motions;
   std::size_t at = 0;
   for (const DrivenJoint& joint : driven.joints) {
-    double numbers[numbers_a_joint] = {};
-    for (std::size_t n = 0; n < numbers_a_joint; ++n)
-      if (joint.numbers >> n & 1) numbers[n] = double(driven.scales[at]) * coordinates[at], ++at;
+    std::vector<double> numbers;
+    for (std::size_t n = joint.number_count(); n > 0; --n, ++at)
+      numbers.push_back(double(driven.scales[at]) * coordinates[at]);
     motions.push_back(motion_of(joint, motions, inverse_rest(joint), numbers));
   }
   return motions;

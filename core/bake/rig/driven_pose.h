@@ -27,7 +27,8 @@ std::optional<Frame<double>> straightened(const Frame<double>& frame);
 // can say, rotations by the polar decomposition (Higham, Computing the Polar Decomposition - with Applications, 1986).
 // Joints are taken one after the other, so that each makes up for what its parents cannot say. Fails with bad_data,
 // naming the joint, where one is mirrored or flat. A joint that is turned by more than 0.95 of a half turn, behind
-// which its axis would jump, is taken to be turned by that: displacements make up for the rest.
+// which its axis would jump, is taken to be turned by that: displacements make up for the rest. Outer rotations and
+// pivots are 0.
 void find_joint_numbers(const DrivenJoints& driven, std::span<const Frame<double>> frames, std::span<float> numbers);
 
 // How joints moved, from the coordinates that carry their numbers: matrices that take vertices along.

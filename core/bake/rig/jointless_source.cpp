@@ -32,9 +32,8 @@ void JointlessSource::evaluate(std::span<const float> controls, std::size_t coun
 }
 
 std::unique_ptr<EvaluationBackend> JointlessSource::make_backend(const Parallel& parallel) {
-  const auto convert = [this](std::span<const float> from, std::size_t poses, std::span<float> to) {
-    drop_numbers(from, poses, to);
-  };
+  const auto convert = [this](std::span<const float>, std::span<const float> from, std::size_t poses,
+                              std::span<float> to) { drop_numbers(from, poses, to); };
   return std::make_unique<ConvertedBackend>(source().make_backend(parallel), source().rest().points.size(), convert);
 }
 

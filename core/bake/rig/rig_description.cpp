@@ -247,7 +247,7 @@ struct Reader {
     if (!(rig.flags & FB_RIG_SKINNED)) fail(Status::rig, "%s: joint_numbers without FB_RIG_SKINNED", label.c_str());
     std::copy_n(rig.joint_numbers, rig.joint_count, numbers.begin());
     for (std::size_t j = 0; j < numbers.size(); ++j)
-      if (numbers[j] >> numbers_a_joint != 0)
+      if ((numbers[j] & ~joint_numbers_of_rigs) != 0)
         fail(Status::rig, "%s: joint_numbers of joint %zu is %#x, which has unknown bits", label.c_str(), j,
              numbers[j]);
     return numbers;

@@ -26,11 +26,10 @@ Mesh scaled(Mesh mesh, int exponent) {
   for (DrivenJoint& joint : mesh.driven.joints) {
     for (const std::size_t origin : {3, 7, 11}) joint.rest[origin] = std::ldexp(joint.rest[origin], exponent);
     // Of the numbers, only those that move a joint are lengths, as the coordinates that carry them are.
-    for (std::size_t n = 0; n < numbers_a_joint; ++n)
-      if (joint.numbers >> n & 1) {
-        float& of = mesh.driven.scales[at++];
-        if (!(joint_translation >> n & 1)) of = std::ldexp(of, -exponent);
-      }
+    for (const std::uint8_t kind : joint.number_kinds()) {
+      float& of = mesh.driven.scales[at++];
+      if (!((joint_translation | joint_pivot) >> kind & 1)) of = std::ldexp(of, -exponent);
+    }
   }
   return mesh;
 }
@@ -68,7 +67,7 @@ void ScaledSource::evaluate(std::span<const float> controls, std::size_t count, 
 }
 
 std::unique_ptr<EvaluationBackend> ScaledSource::make_backend(const Parallel& parallel) {
-  const auto convert = [this](std::span<const float> from, std::size_t, std::span<float> to) {
+  const auto convert = [this](std::span<const float>, std::span<const float> from, std::size_t, std::span<float> to) {
     std::ranges::copy(from, to.begin());
     scale(to, exponent_);
   };
