@@ -8,7 +8,6 @@
 #include "archive/character_writer.h"
 #include "archive/container/container_writer.h"
 #include "archive/writer.h"
-#include "bake/analysis/live/compose_joints.h"
 #include "bake/compress/mesh_blocks.h"
 #include "bake/face/finish_face.h"
 #include "bake/levels/plan_levels.h"
@@ -20,6 +19,7 @@
 #include "bake/measure/repeatability.h"
 #include "bake/measure/verify.h"
 #include "bake/measure/worst_vertex.h"
+#include "bake/pipeline/composed_rig.h"
 #include "bake/pipeline/learning_curve.h"
 #include "bake/pipeline/overfitting.h"
 #include "bake/pipeline/recipe_table.h"
@@ -27,7 +27,6 @@
 #include "bake/pipeline/scaled_archive.h"
 #include "bake/rig/about.h"
 #include "bake/rig/changed_rig.h"
-#include "bake/rig/composed_source.h"
 #include "bake/rig/jointless_source.h"
 #include "bake/rig/random_pose.h"
 #include "bake/rig/reuse_evaluations.h"
@@ -221,9 +220,12 @@ void correct_frames(PackedFace& face, std::span<const ExactFrame> frames, std::u
 }
 
 // bake_face, of a face of ordinary size.
-Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress) {
+Baked bake_ordinary(Source& as_given, const BakeOptions& given, Progress& progress) {
   const Recipe& recipe = checked_recipe(given);
   BakeOptions options = given;
+  const ComposedRig composed = recipe.evaluates_rig ? compose_rig(as_given, options, progress) : ComposedRig();
+  Source& source = composed.source ? *composed.source : as_given;
+  if (options.rig_budget > 0) options.rig_budget -= composed.asked;
   const std::optional<std::uint64_t> checked = reuse(source, options, progress);
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
   evaluator.set_cache_limit({options.cache_bytes, options.rig_budget > 0});
@@ -254,12 +256,13 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   baked.archive = ask_during(progress, [&] {
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });
-  baked.rig_calls = checked.value_or(0) + evaluator.evaluated();
+  baked.rig_calls = checked.value_or(0) + composed.evaluated + evaluator.evaluated();
   if (const EvaluationCache* cache = evaluator.cache()) baked.reused = cache->reused_poses().size();
-  baked.asked = evaluator.requested();
+  baked.asked = composed.asked + evaluator.requested();
   baked.plan = std::move(plan);
   EvaluationCounts counts = evaluator.counts();
   counts[static_cast<std::size_t>(EvaluationPurpose::measuring)].evaluated += checked.value_or(0);
+  for (std::size_t p = 0; p < purpose_count; ++p) counts[p] += composed.counts[p];
   baked.asked_by_stage = calls_by_stage(counts);
   return baked;
 }
@@ -372,7 +375,7 @@ BakeOptions with_character(const BakeOptions& options, const Source& source, Pro
 
 }  // namespace
 
-static Baked bake_face(Source& source, const BakeOptions& given, Progress& progress, bool composed) {
+Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
   const bool keeps_joints = checked_recipe(given).keeps_joints;
   if (!source.rest().driven.empty() && (given.driven_joints == "none" || !keeps_joints)) {
     if (!keeps_joints)
@@ -380,15 +383,7 @@ static Baked bake_face(Source& source, const BakeOptions& given, Progress& progr
           format("\"%s\" learns what joints do to vertices: the face does not have those that its controls drive",
                  given.recipe.c_str()));
     JointlessSource jointless(source);
-    return bake_face(jointless, given, progress, true);
-  }
-  if (source.live() && checked_recipe(given).evaluates_rig && !source.rest().driven.empty() && !composed) {
-    RigEvaluator evaluator(source, given.parallel);
-    std::vector<JointComposition> compositions = compose_joints(evaluator, {}, progress);
-    if (!compositions.empty()) {
-      ComposedSource with_order(source, std::move(compositions));
-      return bake_face(with_order, given, progress, true);
-    }
+    return bake_face(jointless, given, progress);
   }
   const BakeOptions options = with_character(given, source, progress);
   Baked baked;
@@ -409,10 +404,6 @@ static Baked bake_face(Source& source, const BakeOptions& given, Progress& progr
     warn(baked, unmet, progress);
   }
   return baked;
-}
-
-Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
-  return bake_face(source, given, progress, false);
 }
 
 Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress) {

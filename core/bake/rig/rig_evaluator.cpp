@@ -93,9 +93,7 @@ EvaluationCount RigEvaluator::since_purpose() const {
 
 EvaluationCounts RigEvaluator::counts() const {
   EvaluationCounts all = counts_;
-  EvaluationCount& now = all[static_cast<std::size_t>(purpose_)];
-  const EvaluationCount more = since_purpose();
-  now = {now.asked + more.asked, now.evaluated + more.evaluated, now.seconds + more.seconds};
+  all[static_cast<std::size_t>(purpose_)] += since_purpose();
   return all;
 }
 

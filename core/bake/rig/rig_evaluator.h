@@ -58,6 +58,10 @@ struct EvaluationCount {
   std::uint64_t asked = 0;      // see RigEvaluator::requested
   std::uint64_t evaluated = 0;  // see RigEvaluator::evaluated
   double seconds = 0;           // in calls of the rig, added up over those at once
+  EvaluationCount& operator+=(const EvaluationCount& more) {
+    asked += more.asked, evaluated += more.evaluated, seconds += more.seconds;
+    return *this;
+  }
 };
 using EvaluationCounts = std::array<EvaluationCount, purpose_count>;
 

@@ -40,4 +40,27 @@ Axis turned_before(const Axis& whole, const Axis& then) {
   return turned_further(whole, {-then[0], -then[1], -then[2]});
 }
 
+// Entries of the product of three rotations about axes, written out.
+Axis euler_angles(const Axis& vector, const AxisOrder& order) {
+  const auto [a, b, c] = order;
+  const Frame<double> r = rotation_about(vector);
+  const auto entry = [&](std::size_t row, std::size_t column) { return r[4 * row + column]; };
+  const double sign = (a + 1) % 3 == b ? 1 : -1;
+  Axis angles;
+  angles[a] = std::atan2(sign * entry(c, b), entry(c, c));
+  angles[b] = std::asin(std::clamp(-sign * entry(c, a), -1.0, 1.0));
+  angles[c] = std::atan2(sign * entry(b, a), entry(a, a));
+  return angles;
+}
+
+Axis from_euler_angles(const Axis& angles, const AxisOrder& order) {
+  Axis vector = {};
+  for (const std::size_t axis : order) {
+    Axis one = {};
+    one[axis] = angles[axis];
+    vector = turned_further(vector, one);
+  }
+  return vector;
+}
+
 }  // namespace fb::bake

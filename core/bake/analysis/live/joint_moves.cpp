@@ -27,7 +27,7 @@ JointMoves moves_of(const DrivenJoints& driven, std::span<const float> coordinat
 std::vector<JointMoves> evaluate_joints(RigEvaluator& rig, const std::vector<std::vector<ControlPlace>>& poses,
                                         std::string_view stage_name, Progress& progress) {
   std::vector<JointMoves> moves(poses.size());
-  EvaluationStage stage(progress, Phase::analysis, stage_name, poses.size());
+  EvaluationStage stage(progress, Phase::sampling, stage_name, poses.size());
   const std::size_t first = rig.rest().first_joint_coordinate();
   rig.evaluate_each(
       poses.size(), stage,

@@ -50,6 +50,13 @@ void JointOrder::insert(std::size_t control) {
   order_.insert(order_.begin() + static_cast<std::ptrdiff_t>(best), control);
 }
 
+double JointOrder::left() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < order_.size(); ++i)
+    for (std::size_t k = i + 1; k < order_.size(); ++k) sum += first_[order_[i] * order_.size() + order_[k]];
+  return sum;
+}
+
 // (count + 1) x (count + 1): what is left of places [row, column) of the order in one rotation.
 std::vector<double> JointOrder::left_within() const {
   const std::size_t count = order_.size();

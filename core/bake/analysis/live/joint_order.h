@@ -25,6 +25,9 @@ class JointOrder {
   // all, or `most`, cut where the least is left.
   std::vector<std::vector<std::uint32_t>> rotations(double enough, std::size_t most) const;
 
+  // What is left of the pairs in this order, each control being a rotation of its own.
+  double left() const;
+
  private:
   void insert(std::size_t control);
   std::vector<double> left_within() const;
