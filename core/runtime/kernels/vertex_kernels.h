@@ -176,8 +176,31 @@ using Four = float __attribute__((vector_size(16)));
 #endif
 }
 
-void skin_vertices(const SkinTable& skin, std::uint32_t begin, std::uint32_t end, const float* matrices, float* rows) {
+// What is 0 or NaN counts as -0, which changes nothing.
+[[gnu::always_inline]] inline void move_by(Four offset, Four& position) {
+#if defined(__AVX__)
+  const Four moves = _mm_cmp_ps(offset, _mm_setzero_ps(), _CMP_NEQ_OQ);
+  position += _mm_blendv_ps(_mm_set1_ps(-0.0f), offset, moves);
+#else
   using FourIntegers = std::int32_t __attribute__((vector_size(16)));
+  const FourIntegers moves = (FourIntegers)(offset < 0.0f) | (FourIntegers)(offset > 0.0f);
+  const FourIntegers sign = (FourIntegers){} + INT32_MIN;
+  position += (Four)(((FourIntegers)offset & moves) | (sign & ~moves));
+#endif
+}
+
+// As one memcpy, GCC would write to the stack and read from there.
+[[gnu::always_inline]] inline void store_three(Four vector, float* to) {
+  __builtin_memcpy(to, &vector, 2 * sizeof(float));
+#if defined(__AVX__)
+  const int third = _mm_extract_ps(vector, 2);
+#else
+  const float third = vector[2];
+#endif
+  __builtin_memcpy(to + 2, &third, sizeof third);
+}
+
+void skin_vertices(const SkinTable& skin, std::uint32_t begin, std::uint32_t end, const float* matrices, float* rows) {
   for (std::uint32_t v = begin; v < end; ++v) {
     const JointInfluence* influence = skin.influences + skin.first[v];
     const JointInfluence* const last = skin.influences + skin.first[v + 1];
@@ -191,12 +214,8 @@ void skin_vertices(const SkinTable& skin, std::uint32_t begin, std::uint32_t end
     float* const at = rows + 3 * std::size_t(v);
     Four position;
     __builtin_memcpy(&position, at, sizeof position);
-    const Four offset = times_position(blend, position);
-    // What is 0 or NaN counts as -0, which changes nothing.
-    const FourIntegers moves = (FourIntegers)(offset < 0.0f) | (FourIntegers)(offset > 0.0f);
-    const FourIntegers sign = (FourIntegers){} + INT32_MIN;
-    position += (Four)(((FourIntegers)offset & moves) | (sign & ~moves));
-    __builtin_memcpy(at, &position, 3 * sizeof(float));
+    move_by(times_position(blend, position), position);
+    store_three(position, at);
   }
 }
 
