@@ -8,6 +8,7 @@
 #include "test_models.h"
 #include "tool_files.h"
 #include "tool_run.h"
+#include "turning_joints.h"
 
 namespace test_tool_diff {
 
@@ -134,11 +135,19 @@ TEST_CASE("driven joints that are others are named, and their motion is compared
   changed(followed, "vertices follow other driven joints, or by other weights\n");
   stronger.rest.driven.scales[0] *= 1.5f;
   changed(stronger, "");
+  fb::PackedModel more = model;
+  fb::add_turning_joints(more);
+  changed(more, "3 driven joints are new: \"eye\", \"brow\", \"ear\"\n");
   changed(fb::character_model(), "4 driven joints are gone: \"jaw\", \"tongue\", \"pin\", ...\n");
   // Those that are new have points behind the others that carry their numbers.
   write(before, fb::character_model());
   changed(model, "4 driven joints are new: ");
   CHECK(diff_of(before, now, 1).at("rest").at("max") == 0);
+  // As many numbers, of other rotations.
+  fb::PackedModel turning = more;
+  std::swap(turning.rest.driven.joints[4].outer_rotations[0], turning.rest.driven.joints[4].outer_rotations[1]);
+  write(before, more);
+  changed(turning, "1 driven joints have another parent, other numbers or another frame at rest: \"eye\"\n");
 }
 
 TEST_CASE("a face with driven joints that is packed again poses as before, or as coarsely as is asked for") {

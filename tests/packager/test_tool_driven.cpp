@@ -12,6 +12,7 @@
 #include "test_models.h"
 #include "tool_files.h"
 #include "tool_run.h"
+#include "turning_joints.h"
 
 namespace test_tool_driven {
 
@@ -181,6 +182,23 @@ TEST_CASE(
   CHECK(error > 1e-4);
   CHECK(json::parse(run.out)["target_error"]["max_over_diagonal"].get<double>() ==
         doctest::Approx(error).epsilon(1e-3));
+}
+
+TEST_CASE("joints that turn several times and about pivots are nodes that turn once, and move") {
+  for (PackedModel model : {driven_model(), whole_model()}) {
+    add_turning_joints(model);
+    const DrivenFace of(model, 40);
+    const json figures = of.write_clip_to("x.glb");
+    const tinygltf::Model file = of.load("x.glb");
+    CHECK(figures["driven_joints"]["moving"] == 6);
+    CHECK(parent_name(file, "eye") == "tongue");
+    CHECK(parent_name(file, "ear") == "brow");
+    CHECK(animated_parts(file, "eye") == std::vector<std::string>{"translation", "rotation"});
+    CHECK(animated_parts(file, "brow") == std::vector<std::string>{"rotation"});
+    CHECK(animated_parts(file, "ear") == std::vector<std::string>{"translation", "rotation", "scale"});
+    check_weights(file);
+    CHECK(of.error(file) < 1e-5);
+  }
 }
 
 TEST_CASE("a pose with driven joints has its nodes where they are") {

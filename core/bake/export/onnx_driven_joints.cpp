@@ -1,6 +1,7 @@
 #include "bake/export/onnx_driven_joints.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/checked.h"
 #include "model/joint_rotation.h"
@@ -49,40 +50,84 @@ std::string composed(OnnxGraph& graph, const std::string& label, const std::stri
   return graph.node("Add", label, {graph.node("Add", label, {a, b}), matrix_product(graph, label, a, b)});
 }
 
-// Columns `first` to `last` of the frames of joints at rest, [1, joints, columns, 3].
-std::string rest_columns(OnnxGraph& graph, const DrivenJoints& driven, std::size_t first, std::size_t last) {
-  std::vector<float> values;
-  for (const DrivenJoint& joint : driven.joints)
-    for (std::size_t column = first; column <= last; ++column)
-      for (std::size_t row = 0; row < 3; ++row) values.push_back(joint.rest[4 * row + column]);
-  return graph.floats("joints/rest", values,
-                      {1, static_cast<std::int64_t>(driven.joints.size()), std::int64_t(last - first + 1), 3});
+Indices all_joints(const DrivenJoints& driven) {
+  Indices joints(driven.joints.size());
+  std::iota(joints.begin(), joints.end(), 0);
+  return joints;
 }
 
-// The numbers of joints [n, joints, 3, 3], columns of rotations, translations and lengths; 0 those that a joint does
-// not have.
-std::string joint_numbers(OnnxGraph& graph, const Mesh& mesh, const std::string& points) {
-  const DrivenJoints& driven = mesh.driven;
-  std::uint32_t coordinate = checked_u32(mesh.first_joint_coordinate(), "coordinates");
-  Indices coordinates;
+bool any_has(const std::vector<DrivenJoint>& joints, std::uint32_t numbers) {
+  return std::ranges::any_of(joints, [&](const DrivenJoint& joint) { return (joint.numbers & numbers) != 0; });
+}
+
+// Columns `first` to `last` of the frames of joints at rest, [1, joints, columns, 3].
+std::string rest_columns(OnnxGraph& graph, const DrivenJoints& driven, const Indices& joints, std::size_t first,
+                         std::size_t last) {
+  std::vector<float> values;
+  for (const std::uint32_t j : joints)
+    for (std::size_t column = first; column <= last; ++column)
+      for (std::size_t row = 0; row < 3; ++row) values.push_back(driven.joints[j].rest[4 * row + column]);
+  return graph.floats("joints/rest", values,
+                      {1, static_cast<std::int64_t>(joints.size()), std::int64_t(last - first + 1), 3});
+}
+
+// Numbers of joints as vectors of three; 0 those that a joint does not have.
+struct CarriedVectors {
+  Indices joints, coordinates;
   std::vector<float> scales;
-  const float* scale = driven.scales.data();
-  for (const DrivenJoint& joint : driven.joints)
-    for (std::size_t n = 0; n < numbers_a_joint; ++n) {
-      const bool has = joint.numbers >> n & 1;
-      coordinates.push_back(has ? coordinate++ : 0);
-      scales.push_back(has ? *scale++ : 0);
+};
+struct JointVectors {
+  CarriedVectors own;    // of all joints: rotations, translations, lengths, and pivots if any joint has one
+  CarriedVectors outer;  // outer rotations, joint after joint; then one of 0
+  // For all first outer rotations, all second ones, ...: which it is of each joint, counted behind the joints' own
+  // rotations; of those that have fewer, that of 0.
+  std::vector<Indices> rounds;
+};
+
+JointVectors joint_vectors(const Mesh& mesh) {
+  const std::vector<DrivenJoint>& joints = mesh.driven.joints;
+  std::uint32_t coordinate = checked_u32(mesh.first_joint_coordinate(), "coordinates");
+  const float* scale = mesh.driven.scales.data();
+  const auto take = [&](CarriedVectors& to, std::uint32_t which, std::size_t count) {
+    for (std::size_t n = 0; n < count; ++n) {
+      const bool has = which >> n & 1;
+      to.coordinates.push_back(has ? coordinate++ : 0);
+      to.scales.push_back(has ? *scale++ : 0);
     }
-  const auto count = static_cast<std::int64_t>(scales.size());
-  const std::string carried = gather(graph, "joints/numbers", points, coordinates, along_joints);
+  };
+  const std::size_t own_numbers = any_has(joints, joint_pivot) ? 12 : 9;
+  JointVectors vectors;
+  vectors.own.joints = all_joints(mesh.driven);
+  for (std::uint32_t j = 0; j < joints.size(); ++j) {
+    const std::vector<std::uint8_t>& rotations = joints[j].outer_rotations;
+    take(vectors.own, joints[j].numbers, own_numbers);
+    for (const std::uint8_t rotation : rotations) take(vectors.outer, rotation, 3);
+    vectors.outer.joints.insert(vectors.outer.joints.end(), rotations.size(), j);
+    vectors.rounds.resize(std::max(vectors.rounds.size(), rotations.size()));
+  }
+  auto place = static_cast<std::uint32_t>(joints.size());
+  const auto none = static_cast<std::uint32_t>(place + vectors.outer.joints.size());
+  for (const DrivenJoint& joint : joints)
+    for (std::size_t round = 0; round < vectors.rounds.size(); ++round)
+      vectors.rounds[round].push_back(round < joint.outer_rotations.size() ? place++ : none);
+  vectors.outer.joints.push_back(0);
+  take(vectors.outer, 0, 3);
+  return vectors;
+}
+
+// Their values [n, joints, vectors of each, 3].
+std::string vector_values(OnnxGraph& graph, const std::string& points, const CarriedVectors& vectors) {
+  const auto count = static_cast<std::int64_t>(vectors.scales.size()),
+             joints = static_cast<std::int64_t>(vectors.joints.size());
+  const std::string carried = gather(graph, "joints/numbers", points, vectors.coordinates, along_joints);
   const std::string numbers =
-      graph.node("Mul", "joints/numbers", {carried, graph.floats("joints/scales", scales, {1, count})});
-  const std::int64_t shape[] = {0, static_cast<std::int64_t>(driven.joints.size()), 3, 3};
+      graph.node("Mul", "joints/numbers", {carried, graph.floats("joints/scales", vectors.scales, {1, count})});
+  const std::int64_t shape[] = {0, joints, count / joints / 3, 3};
   return graph.node("Reshape", "joints/numbers", {numbers, graph.integers("shape", shape)});
 }
 
-// The rotation [n, joints, 3, 3] about a vector [n, joints, 1, 3], less the identity.
-std::string joint_rotation_changes(OnnxGraph& graph, const std::string& vector, std::size_t joints) {
+// The rotations [n, count, 3, 3] about vectors [n, count, 1, 3], less the identity.
+std::string rotation_changes(OnnxGraph& graph, const std::string& vector, std::size_t count) {
   const std::string label = "joints/rotation";
   const auto node = [&](const char* type, const std::vector<std::string>& inputs) {
     return graph.node(type, label, inputs);
@@ -102,7 +147,7 @@ std::string joint_rotation_changes(OnnxGraph& graph, const std::string& vector, 
   const std::string odd = node("Mul", {pick(vector, {0, 2, 1, 2, 0, 0, 1, 0, 0}), graph.floats(label, signs, {9})});
   const std::string change = node("Add", {node("Mul", {graph.polynomial(label, angle, rotation_cosine), even}),
                                           node("Mul", {graph.polynomial(label, angle, rotation_sine), odd})});
-  const std::int64_t shape[] = {0, static_cast<std::int64_t>(joints), 3, 3};
+  const std::int64_t shape[] = {0, static_cast<std::int64_t>(count), 3, 3};
   return node("Reshape", {change, graph.integers("shape", shape)});
 }
 
@@ -125,19 +170,42 @@ std::string joint_lengths(OnnxGraph& graph, const DrivenJoints& driven, const st
   return sum;
 }
 
+// How joints are rotated [n, joints, 3, 3], less the identity, about these vectors [n, joints, 1, 3] and then about
+// those of their outer rotations. All rotations are found at once.
+std::string joint_rotations(OnnxGraph& graph, const DrivenJoints& driven, const JointVectors& vectors,
+                            const std::string& first, const std::string& points) {
+  const std::size_t joints = driven.joints.size();
+  if (vectors.rounds.empty()) return rotation_changes(graph, first, joints);
+  const std::string label = "joints/rotation", axes = rest_columns(graph, driven, vectors.outer.joints, 0, 2);
+  const std::string outer = matrix_product(graph, label, axes, vector_values(graph, points, vectors.outer));
+  const std::string all = rotation_changes(graph, graph.node("Concat", label, {first, outer}, {along_joints}),
+                                           joints + vectors.outer.joints.size());
+  std::string turned = gather(graph, label, all, vectors.own.joints, along_joints);
+  for (const Indices& round : vectors.rounds)
+    turned = composed(graph, label, gather(graph, label, all, round, along_joints), turned);
+  return turned;
+}
+
 // What joints do to what they carry, apart from their parents, [n, joints, 4, 3]: the matrices E.
 std::string own_changes(OnnxGraph& graph, const Mesh& mesh, const std::string& points) {
   const DrivenJoints& driven = mesh.driven;
-  const std::string numbers = joint_numbers(graph, mesh, points), axes = rest_columns(graph, driven, 0, 2);
+  const JointVectors vectors = joint_vectors(mesh);
+  const Indices& joints = vectors.own.joints;
+  const std::string numbers = vector_values(graph, points, vectors.own),
+                    axes = rest_columns(graph, driven, joints, 0, 2);
   const auto along_axes = [&](std::uint32_t kind) {
     return matrix_product(graph, joints_label, axes,
                           gather(graph, joints_label, numbers, {kind}, along_matrix_columns));
   };
-  std::string turned = joint_rotation_changes(graph, along_axes(0), driven.joints.size());
-  if (std::ranges::any_of(driven.joints, [](const DrivenJoint& joint) { return (joint.numbers & joint_scale) != 0; }))
+  const std::string rotated = joint_rotations(graph, driven, vectors, along_axes(0), points);
+  std::string turned = rotated;
+  if (any_has(driven.joints, joint_scale))
     turned = composed(graph, joints_label, turned, joint_lengths(graph, driven, numbers));
-  const std::string origins = matrix_product(graph, joints_label, turned, rest_columns(graph, driven, 3, 3));
-  const std::string moved = graph.node("Sub", joints_label, {along_axes(1), origins});
+  const std::string origins = matrix_product(graph, joints_label, turned, rest_columns(graph, driven, joints, 3, 3));
+  std::string moved = along_axes(1);
+  if (any_has(driven.joints, joint_pivot))
+    moved = graph.node("Sub", joints_label, {moved, matrix_product(graph, joints_label, rotated, along_axes(3))});
+  moved = graph.node("Sub", joints_label, {moved, origins});
   return graph.node("Concat", joints_label, {turned, moved}, {along_matrix_columns});
 }
 
@@ -206,7 +274,7 @@ std::string add_joint_changes(OnnxGraph& graph, const Mesh& mesh, const std::str
 }
 
 std::string add_joint_frames(OnnxGraph& graph, const DrivenJoints& driven, const std::string& changes) {
-  const std::string label = "joints/frames", rest = rest_columns(graph, driven, 0, 3);
+  const std::string label = "joints/frames", rest = rest_columns(graph, driven, all_joints(driven), 0, 3);
   const float last[] = {0, 0, 0, 1};
   const std::string shifts = graph.node("Mul", label, {changes, graph.floats(label, last, {4, 1})});
   const std::string moved = graph.node("Add", label, {matrix_product(graph, label, changes, rest), shifts});
