@@ -169,9 +169,9 @@ void DrivenSkin::find_matrices(const float* rows, State& state) const {
     const Joint& joint = joints_[j];
     const float* const own = rows + joint.first_row;
     const float* const end = rows + joint.end_row;
-    float* const matrix = state.matrices.data() + joint_matrix_floats * j;
+    float* const matrix = state.matrices[j].numbers;
     const bool below = joint.parent != no_joint && state.moved[joint.parent];
-    const float* const parent = below ? state.matrices.data() + joint_matrix_floats * joint.parent : nullptr;
+    const float* const parent = below ? state.matrices[joint.parent].numbers : nullptr;
     const bool still = std::all_of(own, end, [](float coordinate) { return coordinate == 0; });
     if (!still)
       find_matrix(joint, own, parent, matrix);
@@ -189,7 +189,7 @@ bool DrivenSkin::run(const PoseKernels& kernels, std::size_t block, VertexRange 
   if (std::none_of(joints.begin(), joints.end(), [&](std::uint32_t joint) { return state.moved[joint] != 0; }))
     return false;
   kernels.skin_vertices({influences_.row_offsets.data(), influences_.entries.data()}, range.begin, range.end,
-                        state.matrices.data(), rows);
+                        state.matrices.data()->numbers, rows);
   return true;
 }
 
@@ -198,7 +198,7 @@ void DrivenSkin::write_frames(const State& state, float* frames) const {
     const std::array<float, 12>& rest = joints_[j].rest;
     std::copy_n(rest.data(), frame_floats, frames);
     if (!state.moved[j]) continue;
-    const Change change = change_of(state.matrices.data() + joint_matrix_floats * j);
+    const Change change = change_of(state.matrices[j].numbers);
     for (std::size_t row = 0; row < 3; ++row) {
       for (std::size_t column = 0; column < 3; ++column)
         frames[4 * row + column] = rest[4 * row + column] + times(&change[4 * row], rest, column);

@@ -23,9 +23,9 @@ class DrivenSkin {
   // How the joints of a pose moved.
   struct State {
     State(const DrivenSkin& skin, std::pmr::memory_resource& memory)
-        : matrices(joint_matrix_floats * skin.joint_count(), &memory), moved(skin.joint_count(), &memory) {}
+        : matrices(skin.joint_count(), &memory), moved(skin.joint_count(), &memory) {}
 
-    std::pmr::vector<float> matrices;  // by joint, see JointInfluence; 0 for those that did not move
+    std::pmr::vector<JointMatrix> matrices;  // by joint; 0 for those that did not move
     std::pmr::vector<std::uint8_t> moved;
   };
 

@@ -107,6 +107,9 @@ struct PolygonsAround {
 // How a joint that vertices follow moved: four columns of three numbers and a zero, which are added to the axes and the
 // origin of space.
 inline constexpr std::uint32_t joint_matrix_floats = 16;
+struct alignas(64) JointMatrix {
+  float numbers[joint_matrix_floats] = {};
+};
 
 // A joint that a vertex follows, by where its matrix is among those of all joints.
 struct JointInfluence {

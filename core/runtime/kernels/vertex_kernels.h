@@ -163,9 +163,25 @@ void vertex_tangents(const PolygonsAround& around, const float* integrals, const
 
 using Four = float __attribute__((vector_size(16)));
 
+// The columns of a matrix, one, two or four in a register.
+#if defined(__AVX512F__)
+constexpr std::size_t column_lanes = 16;
+#else
+constexpr std::size_t column_lanes = lanes;
+#endif
+using Columns = float __attribute__((vector_size(4 * column_lanes)));
+
 // The columns of a sum of matrices times x, y, z and 1: (x times 0 + y times 1) + (z times 2 + column 3).
-[[gnu::always_inline]] inline Four times_position(const Floats (&blend)[joint_matrix_floats / lanes], Four p) {
-#if defined(__AVX__)
+[[gnu::always_inline]] inline Four times_position(const Columns (&blend)[joint_matrix_floats / column_lanes], Four p) {
+#if defined(__AVX512F__)
+  const __m512i axes = _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0);
+  const __m512 position = _mm512_permutexvar_ps(axes, _mm512_castps128_ps512(p));
+  const __m512 xyz1 = _mm512_mask_mul_ps(blend[0], 0xfff, blend[0], position);
+  const __m256 xy = _mm512_castps512_ps256(xyz1),
+               z1 = _mm256_castpd_ps(_mm512_extractf64x4_pd(_mm512_castps_pd(xyz1), 1));
+  return _mm_add_ps(_mm_add_ps(_mm256_castps256_ps128(xy), _mm256_extractf128_ps(xy, 1)),
+                    _mm_add_ps(_mm256_castps256_ps128(z1), _mm256_extractf128_ps(z1, 1)));
+#elif defined(__AVX__)
   const Floats ones = (Floats){} + 1.0f, p2 = __builtin_shufflevector(p, p, 0, 1, 2, 3, 0, 1, 2, 3);
   const Floats xy = blend[0] * __builtin_shufflevector(p2, ones, 0, 0, 0, 0, 1, 1, 1, 1),
                z1 = blend[1] * __builtin_shufflevector(p2, ones, 2, 2, 2, 2, 8, 8, 8, 8);
@@ -204,11 +220,11 @@ void skin_vertices(const SkinTable& skin, std::uint32_t begin, std::uint32_t end
   for (std::uint32_t v = begin; v < end; ++v) {
     const JointInfluence* influence = skin.influences + skin.first[v];
     const JointInfluence* const last = skin.influences + skin.first[v + 1];
-    Floats blend[joint_matrix_floats / lanes] = {};
+    Columns blend[joint_matrix_floats / column_lanes] = {};
     for (; influence < last; ++influence)
-      for (std::size_t k = 0; k < joint_matrix_floats / lanes; ++k) {
-        Floats part;
-        __builtin_memcpy(&part, matrices + influence->offset + k * lanes, sizeof part);
+      for (std::size_t k = 0; k < joint_matrix_floats / column_lanes; ++k) {
+        Columns part;
+        __builtin_memcpy(&part, matrices + influence->offset + k * column_lanes, sizeof part);
         blend[k] += influence->weight * part;
       }
     float* const at = rows + 3 * std::size_t(v);
