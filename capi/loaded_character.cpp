@@ -66,8 +66,9 @@ void LoadedCharacter::describe_joints() {
     std::copy(std::begin(from.inverse_bind), std::end(from.inverse_bind), joint.inverse_bind);
   }
   for (const DrivenJoint& from : driven_.joints) {
+    const auto outer = static_cast<std::uint32_t>(from.outer_rotations.size());
     fb_driven_joint& joint = driven_joints.emplace_back(
-        fb_driven_joint{sizeof(fb_driven_joint), from.parent, from.name.c_str(), from.numbers, 0, {}});
+        fb_driven_joint{sizeof(fb_driven_joint), from.parent, from.name.c_str(), from.numbers, outer, {}});
     std::copy(std::begin(from.rest), std::end(from.rest), joint.rest);
   }
 }

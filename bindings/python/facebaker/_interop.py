@@ -57,6 +57,10 @@ FB_JOINT_SCALE_X = 64
 FB_JOINT_SCALE_Y = 128
 FB_JOINT_SCALE_Z = 256
 FB_JOINT_SCALE = 448
+FB_JOINT_PIVOT_X = 512
+FB_JOINT_PIVOT_Y = 1024
+FB_JOINT_PIVOT_Z = 2048
+FB_JOINT_PIVOT = 3584
 FB_ABOUT_BYTES = 65536
 FB_THUMBNAIL_BYTES = 65536
 FB_RIG_ABI = 2
@@ -193,7 +197,7 @@ class fb_joint(Structure):
 class fb_driven_joint(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("parent", c_uint32), ("name", c_char_p), ("numbers", c_uint32),
-        ("reserved", c_uint32), ("rest", c_float * 12),
+        ("outer_rotations", c_uint32), ("rest", c_float * 12),
     ]
 class fb_level(Structure):
     _fields_ = [

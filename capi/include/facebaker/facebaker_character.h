@@ -243,19 +243,24 @@ FB_API const float* fb_skin_weights(const fb_model* model);
 /* ---- Driven joints ----------------------------------------------------------------------------------------------- */
 
 /* How a driven joint moves, along the axes of its own frame at rest. What a rig moves beyond what it declares is left
- * to displacements of vertices. */
-#define FB_JOINT_ROTATE_X 1u  /**< turns about its x axis */
-#define FB_JOINT_ROTATE_Y 2u  /**< turns about its y axis */
-#define FB_JOINT_ROTATE_Z 4u  /**< turns about its z axis */
-#define FB_JOINT_ROTATE 7u    /**< all three; by less than a half turn */
-#define FB_JOINT_MOVE_X 8u    /**< moves along its x axis */
-#define FB_JOINT_MOVE_Y 16u   /**< moves along its y axis */
-#define FB_JOINT_MOVE_Z 32u   /**< moves along its z axis */
-#define FB_JOINT_MOVE 56u     /**< all three */
-#define FB_JOINT_SCALE_X 64u  /**< is longer or shorter along its x axis */
-#define FB_JOINT_SCALE_Y 128u /**< is longer or shorter along its y axis */
-#define FB_JOINT_SCALE_Z 256u /**< is longer or shorter along its z axis */
-#define FB_JOINT_SCALE 448u   /**< all three */
+ * to displacements of vertices. A rig declares no pivots, which frames of a pose do not tell from moves: a bake finds
+ * them. */
+#define FB_JOINT_ROTATE_X 1u   /**< turns about its x axis */
+#define FB_JOINT_ROTATE_Y 2u   /**< turns about its y axis */
+#define FB_JOINT_ROTATE_Z 4u   /**< turns about its z axis */
+#define FB_JOINT_ROTATE 7u     /**< all three; by less than a half turn */
+#define FB_JOINT_MOVE_X 8u     /**< moves along its x axis */
+#define FB_JOINT_MOVE_Y 16u    /**< moves along its y axis */
+#define FB_JOINT_MOVE_Z 32u    /**< moves along its z axis */
+#define FB_JOINT_MOVE 56u      /**< all three */
+#define FB_JOINT_SCALE_X 64u   /**< is longer or shorter along its x axis */
+#define FB_JOINT_SCALE_Y 128u  /**< is longer or shorter along its y axis */
+#define FB_JOINT_SCALE_Z 256u  /**< is longer or shorter along its z axis */
+#define FB_JOINT_SCALE 448u    /**< all three */
+#define FB_JOINT_PIVOT_X 512u  /**< turns about a point that moves along its x axis */
+#define FB_JOINT_PIVOT_Y 1024u /**< turns about a point that moves along its y axis */
+#define FB_JOINT_PIVOT_Z 2048u /**< turns about a point that moves along its z axis */
+#define FB_JOINT_PIVOT 3584u   /**< all three; from its origin */
 
 /** A joint that the controls move: of a jaw, a tongue, an eye. It is a part of the face, inside of the skeleton above:
  * positions, normals, tangents, bounds and sockets of a pose have it in them, unless fb_batch_desc asks for what is
@@ -265,11 +270,11 @@ typedef struct fb_driven_joint {
   uint32_t parent;             /**< index of its parent among these, less than its own, or FB_NO_JOINT */
   const char* name;            /**< unique, not empty */
   uint32_t numbers;            /**< FB_JOINT_... or-ed: how controls move it within its parent; 0: with that only */
-  uint32_t reserved;           /**< 0 */
+  uint32_t outer_rotations;    /**< how many rotations it turns by beside its first, each after those before it */
   float rest[FB_FRAME_FLOATS]; /**< its frame at rest, in the space of positions, not of its parent */
 } fb_driven_joint;
 
-/** No parent, at the origin, without numbers. */
+/** No parent, at the origin, without numbers and outer rotations. */
 FB_API void fb_driven_joint_fill(fb_driven_joint* to, uint32_t struct_size);
 static inline void fb_driven_joint_init(fb_driven_joint* to) {
   fb_driven_joint_fill(to, (uint32_t)sizeof *to);
