@@ -404,9 +404,9 @@ inline void drive_joints(PackedModel& model, std::uint64_t seed = 1) {
   driven.joints = {{"jaw", no_joint, joint_rotation, {1, 0, 0, 0.5f, 0, 1, 0, 1, 0, 0, 1, -1}},
                    {"tongue", 0, 0x23, {0, -1, 0, 0.5f, 1, 0, 0, 0.25f, 0, 0, 1, 0.5f}},
                    {"pin", 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1}},
-                   {"lid", no_joint, 0x1ff, {0.6f, 0.8f, 0, -1, -0.8f, 0.6f, 0, 2, 0, 0, 1, 0}}};
+                   {"lid", no_joint, 0xfff, {0.6f, 0.8f, 0, -1, -0.8f, 0.6f, 0, 2, 0, 0, 1, 0}, {joint_rotation, 2}}};
   for (std::size_t n = 0; n < driven.number_count(); ++n) driven.scales.push_back(random.uniform(0.25f, 0.75f));
-  for (std::size_t n = 6; n < 9; ++n) driven.scales[n] *= 16;  // the lid turns all the way round
+  for (std::size_t n = 6; n < 9; ++n) driven.scales[n] *= 32;  // the lid turns all the way round
   driven.skin.influences = 3;
   for (std::uint16_t v = 0; v < 30; ++v) {
     const float first = v % 5 == 0 ? 0 : 0.125f * float(1 + v % 5), second = v % 3 == 0 || first == 0 ? 0 : 0.25f;
@@ -414,7 +414,7 @@ inline void drive_joints(PackedModel& model, std::uint64_t seed = 1) {
     driven.skin.weights.insert(driven.skin.weights.end(), {first, second, second > 0 && v % 6 == 1 ? 0x1p-15f : 0});
   }
   const auto row = static_cast<std::uint32_t>(model.rest.points.size());
-  constexpr std::uint32_t carriers = 5;
+  constexpr std::uint32_t carriers = 8;
   for (std::uint32_t c = 0; c < carriers; ++c) {
     if (!model.order.empty()) model.order.push_back(row / 3 + c);
     for (int axis = 0; axis < 3; ++axis) model.rest.points.push_back(0);

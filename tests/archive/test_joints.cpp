@@ -11,8 +11,8 @@
 namespace fb::test_joints {
 namespace {
 
-void check_unwritable(const std::function<void(PackedModel&)>& change, const char* message) {
-  PackedModel model = body_model();
+void check_unwritable(const std::function<void(PackedModel&)>& change, const char* message,
+                      PackedModel model = body_model()) {
   change(model);
   CHECK_THROWS_WITH_AS(write_archive(model, {}), doctest::Contains(message), Error);
 }
@@ -37,6 +37,18 @@ TEST_CASE("joints and skins that contradict themselves are refused") {
   check_unwritable([&](Model& m) { std::swap(skin(m).weights[2], skin(m).weights[3]); }, "after one of weight 0");
   check_unwritable([&](Model& m) { skin(m).weights[34] = skin(m).weights[35] = 0; }, "vertex 17 follows no joint");
   check_unwritable([&](Model& m) { skin(m).weights[58] = 1; }, "vertex 29 follows a joint, unlike");
+}
+
+TEST_CASE("outer rotations of driven joints have some of three numbers, and there are 15 at most") {
+  const auto refused = [](std::vector<std::uint8_t> rotations, const char* message) {
+    check_unwritable([&](PackedModel& m) { m.rest.driven.joints[3].outer_rotations = rotations; }, message,
+                     driven_model());
+  };
+  refused({7, 0}, "driven joint \"lid\" has an outer rotation with the numbers 0x0");
+  refused({8, 7}, "driven joint \"lid\" has an outer rotation with the numbers 0x8");
+  refused(std::vector<std::uint8_t>(16, 1), "driven joint \"lid\" has 16 outer rotations; it may have 15");
+  check_unwritable([](PackedModel& m) { m.rest.driven.joints[0].numbers |= 0x1000; },
+                   "driven joint \"jaw\" has numbers that are unknown", driven_model());
 }
 
 TEST_CASE("frames are multiplied and inverted, and singular ones are not") {
@@ -70,12 +82,16 @@ TEST_CASE("joints and skin are read as they were written") {
   PackedModel joints = model;  // joints alone, such as those that sockets hang on
   joints.character.skin = {};
   CHECK(read_archive(write_archive(joints, {})).model.character == joints.character);
+  const DrivenJoints driven = driven_model().rest.driven,
+                     read = read_archive(write_archive(driven_model(), {})).model.rest.driven;
+  CHECK(read.joints == driven.joints);
+  CHECK(read.scales == driven.scales);
 }
 
 TEST_CASE("forged joints and skins are refused by name") {
-  const Bytes bytes = write_archive(body_model(), {});
+  const Bytes bytes = write_archive(body_model(), {}), driven = write_archive(driven_model(), {});
   const auto lie = [&](const char* section, std::size_t at, auto value, Status status, const char* message) {
-    ArchiveEditor archive(bytes);
+    ArchiveEditor archive(section == std::string("driven-joints") ? driven : bytes);
     Bytes contents = archive[section].stored;
     patch(contents, at, value);
     archive[section].set(contents);
@@ -90,6 +106,10 @@ TEST_CASE("forged joints and skins are refused by name") {
   lie("skin", 34, std::uint16_t(3), Status::corrupt, "vertex 0 follows joint 3 of 3");
   lie("skin", 34 + 60 + 90, std::uint8_t(0), Status::corrupt, "weights of joints that sum to");
   lie("skin", 34 + 60 + 90, std::uint8_t(0xbf), Status::corrupt, "not above 0");
+  // How many outer rotations the first driven joint has, and how many the last.
+  constexpr std::size_t outer = 4 + 4 + 3 + 4 + 2, outer_of_last = outer + 3 * (4 + 4 + 2 + 1 + 48) + 6 + 3 + 3;
+  lie("driven-joints", outer_of_last + 2, std::uint8_t(8), Status::corrupt, "outer rotation with the numbers 0x8");
+  lie("driven-joints", outer, std::uint8_t(255), Status::corrupt, "section \"driven-joints\"");
   ArchiveEditor empty(bytes);
   empty["joints"].set(Bytes(4));
   check_refused(empty.bytes(), Status::corrupt, "there are no joints");
@@ -99,10 +119,9 @@ TEST_CASE("forged joints and skins are refused by name") {
 }
 
 TEST_CASE("joints and skins that are cut short, too long or changed never crash the reader") {
-  const ArchiveEditor whole(write_archive(body_model(), {}));
-  for (const std::string name : {"joints", "skin"}) {
+  for (const std::string name : {"joints", "skin", "driven-joints"}) {
     INFO(name);
-    ArchiveEditor archive = whole;
+    ArchiveEditor archive(write_archive(name == "driven-joints" ? driven_model() : body_model(), {}));
     const Bytes contents = archive[name].stored;
     for (std::size_t size = 0; size < contents.size(); ++size) {
       archive[name].set({contents.begin(), contents.begin() + std::ptrdiff_t(size)});

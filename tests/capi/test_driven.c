@@ -54,9 +54,11 @@ static void joints_are_those_of_the_archive(void** state) {
   assert_string_equal(joint.name, "tongue");
   assert_int_equal(joint.parent, 0);
   assert_int_equal(joint.numbers, FB_JOINT_ROTATE_X | FB_JOINT_ROTATE_Y | FB_JOINT_MOVE_Z);
+  assert_int_equal(joint.outer_rotations, 0);
   assert_true(joint.rest[1] == -1 && joint.rest[3] == 0.5f);
   assert_ok(fb_driven_joint_at(face, 3, &joint));
-  assert_int_equal(joint.numbers, FB_JOINT_ROTATE | FB_JOINT_MOVE | FB_JOINT_SCALE);
+  assert_int_equal(joint.numbers, FB_JOINT_ROTATE | FB_JOINT_MOVE | FB_JOINT_SCALE | FB_JOINT_PIVOT);
+  assert_int_equal(joint.outer_rotations, 2);
   assert_int_equal(fb_driven_joint_at(face, JOINTS, &joint), FB_ERROR_INVALID_ARGUMENT);
   assert_int_equal(fb_find_driven_joint(face, "hand", &index), FB_ERROR_NOT_FOUND);
   assert_string_equal(fb_last_error(),

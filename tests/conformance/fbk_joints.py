@@ -6,7 +6,7 @@ import numpy as np
 from fbk_bytes import F, added
 
 NONE = 2**32 - 1  # no parent
-ROTATION, TRANSLATION, SCALE = range(0, 3), range(3, 6), range(6, 9)
+ROTATION, TRANSLATION, SCALE, PIVOT = range(0, 3), range(3, 6), range(6, 9), range(9, 12)
 SINE = [F(x) for x in (1, -0.16666667, 0.00833333, -0.00019841081, 2.7553501e-06, -2.5014108e-08, 1.5851925e-10,
                        -7.011425e-13, 1.7545592e-15)]
 COSINE = [F(x) for x in (0.5, -0.041666668, 0.0013888887, -2.480149e-05, 2.7555345e-07, -2.0857125e-09, 1.1363965e-11,
@@ -18,13 +18,20 @@ def read_driven_joints(c, face):
     for j in range(c.u32(1, 65536)):
         joint = SimpleNamespace(name=c.new_name(), parent=c.u32(), numbers=int(c.array("u2", 1)[0]), scales={})
         c.check(joint.parent < j or joint.parent == NONE, f"parent of {joint.name}")
-        c.check(joint.numbers < 512, f"unknown numbers of {joint.name}")
+        c.check(joint.numbers < 4096, f"unknown numbers of {joint.name}")
+        rotations = c.take(c.take(1)[0])
+        c.check(len(rotations) <= 15, f"outer rotations of {joint.name}")
+        c.check(all(bits > 0 for bits in rotations), f"an outer rotation of {joint.name} without numbers")
+        c.check(all(bits < 8 for bits in rotations), f"unknown numbers of an outer rotation of {joint.name}")
+        joint.outer = [range(12 + 3 * i, 15 + 3 * i) for i in range(len(rotations))]
+        for outer, bits in zip(joint.outer, rotations):
+            joint.numbers |= bits << outer[0]
         joint.rest = c.floats(12).reshape(3, 4)
         depths.append(1 if joint.parent == NONE else depths[joint.parent] + 1)
         c.check(depths[-1] <= 256, f"{joint.name} has too many joints above it")
         face.driven.append(joint)
     for joint in face.driven:
-        for number in range(9):
+        for number in range(joint.numbers.bit_length()):
             if joint.numbers >> number & 1:
                 joint.scales[number] = c.f32()
                 c.check(joint.scales[number] > 0, f"a scale of {joint.name}")
@@ -73,12 +80,19 @@ def own_change(joint, numbers):
         return times(axes, np.array([[numbers.get(n, F(0))] for n in which], F))
 
     linear = rotation(along_axes(ROTATION).ravel())
+    for outer in joint.outer:
+        if any(numbers.get(n, F(0)) != 0 for n in outer):
+            further = rotation(along_axes(outer).ravel())
+            linear = (further + linear) + times(further, linear)
+    moved = along_axes(TRANSLATION)
+    if any(n in joint.scales for n in PIVOT):
+        moved = moved - times(linear, along_axes(PIVOT))
     if any(n in joint.scales for n in SCALE):
         sizes = [numbers.get(n, F(0)) for n in SCALE]
         parts = [size * np.outer(axis, axis) for size, axis in zip(sizes, axes.T)]
         lengths = (parts[0] + parts[1]) + parts[2]
         linear = (linear + lengths) + times(linear, lengths)
-    return np.hstack([linear, along_axes(TRANSLATION) - times(linear, origin)])
+    return np.hstack([linear, moved - times(linear, origin)])
 
 
 def changes(face, points):

@@ -132,6 +132,28 @@ PackedModel deep_chain(std::uint32_t joints) {
   return model;
 }
 
+PackedModel many_rotations() {
+  PackedModel model = smallest();
+  DrivenJoints& driven = model.rest.driven;
+  std::vector<std::uint8_t> outer(most_outer_rotations, 1);
+  for (std::size_t o = 0; o < outer.size(); ++o) outer[o] = o == 0 ? 3 : std::uint8_t(1 << o % 3);
+  driven.joints = {{"all", no_joint, 1, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, outer},
+                   {"one", no_joint, 1, {1, -0.0f, 0, 0, 0, -1, 0, 0, 0, -0.0f, -1, 0}, {1}}};
+  driven.scales.assign(driven.number_count(), 0.5f);
+  driven.skin = {1, {0, 1}, {1, 1}};
+  constexpr std::uint32_t carriers = 7;
+  model.rest.carrier_vertices = carriers;
+  model.rest.points.insert(model.rest.points.end(), 3 * carriers, 0.0f);
+  model.features = {{Feature::Kind::identity, 0, 1, 0}};
+  model.direct = {0};
+  model.columns = 1;
+  std::vector<std::int16_t> values(3 * carriers);
+  for (std::size_t n = 0; n < driven.number_count(); ++n) values[n] = std::int16_t(20 + 5 * n);
+  values[driven.number_count() - 1] = 0;
+  model.row_blocks = {{0, 6, {}, {}}, {6, 3 * carriers, {{0, false, 0.01f}}, values}};
+  return model;
+}
+
 PackedModel with_uvs(void (*add_uvs)(Mesh&)) {
   PackedModel model = regular(true);
   add_uvs(model.rest);

@@ -43,6 +43,9 @@ PackedModel smallest();
 PackedModel regular(bool polygons);
 // With a chain of 256 driven joints, of names of one byte or more, and beside it what there are more.
 PackedModel deep_chain(std::uint32_t joints);
+// With two driven joints: "all" has as many outer rotations as there may be, the first with two numbers and the others
+// with one; that of the other is 0 in every pose, which a zero of its frame has the sign of.
+PackedModel many_rotations();
 PackedModel with_uvs(void (*add_uvs)(Mesh&));
 
 // Draco data whose numbers and frequencies take more bytes than they need.

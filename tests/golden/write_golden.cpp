@@ -201,6 +201,7 @@ void write_accepted_joints(const std::filesystem::path& folder) {
   write("driven.fbk", with_proof(driven_model()));
   write("driven-exact-levels.fbk", with_proof(whole_model()));
   write("driven-deep.fbk", with_proof(deep_chain(256)));
+  write("driven-rotations.fbk", with_proof(many_rotations()));
   PackedModel split = split_model(5, true);
   split.rest.driven.joints = {{"arm", no_joint, joint_rotation, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}};
   split.rest.driven.scales = {0.5f, 0.5f, 0.5f};

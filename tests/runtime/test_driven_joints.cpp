@@ -52,12 +52,21 @@ std::vector<Frame<double>> reference_frames(const Mesh& rest, const Numbers& poi
   const float* scale = rest.driven.scales.data();
   for (const DrivenJoint& joint : rest.driven.joints) {
     double n[numbers_a_joint] = {};
-    for (std::size_t k = 0; k < numbers_a_joint; ++k)
-      if (joint.numbers >> k & 1) n[k] = double(*scale++) * points[at++];
+    const auto take = [&](std::uint32_t which, double* numbers) {
+      for (std::size_t k = 0; k < numbers_a_joint; ++k)
+        if (which >> k & 1) numbers[k] = double(*scale++) * points[at++];
+    };
+    take(joint.numbers, n);
     Frame<double> own = rotation_about({n[0], n[1], n[2]});
+    for (const std::uint8_t which : joint.outer_rotations) {
+      double outer[3] = {};
+      take(which, outer);
+      own = product(rotation_about(outer), own);
+    }
     for (std::size_t row = 0; row < 3; ++row) {
-      for (std::size_t column = 0; column < 3; ++column) own[4 * row + column] *= 1 + n[6 + column];
-      own[4 * row + 3] = n[3 + row];
+      double* const r = &own[4 * row];
+      r[3] = n[3 + row] + n[9 + row] - (r[0] * n[9] + r[1] * n[10] + r[2] * n[11]);  // the pivot stays in its place
+      for (std::size_t column = 0; column < 3; ++column) r[column] *= 1 + n[6 + column];
     }
     const Frame<double> local = product(to_double(joint.rest), own);
     if (joint.parent == no_joint) {
@@ -97,7 +106,7 @@ std::vector<double> reference_positions(const Mesh& rest, const Numbers& unskinn
 // Less than a full turn, where the polynomials hold.
 PackedModel gentle_model() {
   PackedModel model = whole_model();
-  for (std::size_t n = 6; n < 9; ++n) model.rest.driven.scales[n] /= 8;
+  for (std::size_t n = 6; n < 9; ++n) model.rest.driven.scales[n] /= 16;
   return model;
 }
 
