@@ -298,7 +298,15 @@ namespace FaceBaker
         /// <summary>Is longer or shorter along its z axis.</summary>
         ScaleZ = (int)Native.FB_JOINT_SCALE_Z,
         /// <summary>All three.</summary>
-        Scale = (int)Native.FB_JOINT_SCALE
+        Scale = (int)Native.FB_JOINT_SCALE,
+        /// <summary>Turns about a point that moves along its x axis.</summary>
+        PivotX = (int)Native.FB_JOINT_PIVOT_X,
+        /// <summary>Turns about a point that moves along its y axis.</summary>
+        PivotY = (int)Native.FB_JOINT_PIVOT_Y,
+        /// <summary>Turns about a point that moves along its z axis.</summary>
+        PivotZ = (int)Native.FB_JOINT_PIVOT_Z,
+        /// <summary>All three; from its origin.</summary>
+        Pivot = (int)Native.FB_JOINT_PIVOT
     }
 
     /// <summary>A joint that the controls move: of a jaw, a tongue, an eye. Positions have it in them; where it is in a pose,
@@ -310,6 +318,7 @@ namespace FaceBaker
             Name = Native.Text(from->name);
             Parent = from->parent == Native.FB_NO_JOINT ? -1 : (int)from->parent;
             Numbers = (JointNumbers)from->numbers;
+            OuterRotations = (int)from->outer_rotations;
             Rest = Array.AsReadOnly(Native.Copy(from->rest, Native.FB_FRAME_FLOATS));
         }
 
@@ -319,6 +328,8 @@ namespace FaceBaker
         public int Parent { get; private set; }
         /// <summary>How controls move it within its parent.</summary>
         public JointNumbers Numbers { get; private set; }
+        /// <summary>How many rotations it turns by beside its first, each after those before it.</summary>
+        public int OuterRotations { get; private set; }
         /// <summary>Its frame at rest, in the space of positions: the upper three rows of a 4 x 4 matrix.</summary>
         public IReadOnlyList<float> Rest { get; private set; }
     }

@@ -145,8 +145,10 @@ namespace FaceBaker.Tests
                 Same(JointNumbers.RotateX | JointNumbers.RotateY | JointNumbers.MoveZ, face.DrivenJoints[1].Numbers,
                      "numbers of the tongue");
                 Same(JointNumbers.None, face.DrivenJoints[2].Numbers, "numbers of the pin");
-                Same(JointNumbers.Rotate | JointNumbers.Move | JointNumbers.Scale, face.DrivenJoints[3].Numbers,
-                     "numbers of the lid");
+                Same(JointNumbers.Rotate | JointNumbers.Move | JointNumbers.Scale | JointNumbers.Pivot,
+                     face.DrivenJoints[3].Numbers, "numbers of the lid");
+                Same(0, face.DrivenJoints[0].OuterRotations, "outer rotations of the jaw");
+                Same(2, face.DrivenJoints[3].OuterRotations, "outer rotations of the lid");
                 Same(12, face.DrivenJoints[0].Rest.Count, "frame of the jaw");
                 Same(-1f, face.DrivenJoints[0].Rest[11], "z of the jaw");
                 Same(1, face.FindDrivenJoint("tongue"), "index of the tongue");

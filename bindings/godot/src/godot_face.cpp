@@ -452,6 +452,9 @@ const std::vector<Method>& methods() {
   const Call driven_joint_numbers = [](GodotFace& f, const Value* a) {
     return of_integer(driven_joint_at(f, *a).numbers);
   };
+  const Call driven_joint_outer_rotations = [](GodotFace& f, const Value* a) {
+    return of_integer(driven_joint_at(f, *a).outer_rotations);
+  };
   const Call driven_influences = [](GodotFace& f, const Value*) {
     return of_integer(fb_driven_influences(model_of(*f.state)));
   };
@@ -506,6 +509,7 @@ const std::vector<Method>& methods() {
       {"driven_joint_name", {Kind::integer}, Kind::text, driven_joint_name},
       {"driven_joint_parent", {Kind::integer}, Kind::integer, driven_joint_parent},
       {"driven_joint_numbers", {Kind::integer}, Kind::integer, driven_joint_numbers},
+      {"driven_joint_outer_rotations", {Kind::integer}, Kind::integer, driven_joint_outer_rotations},
       {"driven_joint_rest", {Kind::integer}, Kind::floats, driven_joint_rest},
       {"find_driven_joint", {Kind::text}, Kind::integer, find_name<fb_find_driven_joint>},
       {"driven_joint_frame", {Kind::integer}, Kind::floats, driven_joint_frame},

@@ -148,8 +148,9 @@ class Channel:
 class Joint:
     """A joint of the skeleton that carries the face; after its parent. parent: an index of joints, or None. rest: (3, 4),
     a frame in its parent; None: at its parent's. inverse_bind: (3, 4), from the space of positions to the joint's; None:
-    the inverse of where the joint is at rest. numbers: of a skinned rig, how the controls move it, see DrivenJoint; it
-    then becomes one. Without any it is a host's, unless it is below one that has some."""
+    the inverse of where the joint is at rest. numbers: of a skinned rig, how the controls move it, some of rotate_x, move_x,
+    scale_x and those of y and z; it then becomes a DrivenJoint. Without any it is a host's, unless it is below one that has
+    some."""
 
     name: str
     parent: Optional[int] = None
@@ -158,19 +159,22 @@ class Joint:
     numbers: Tuple[str, ...] = ()
 
 
-# How a joint may move within its parent, by bit.
-NUMBERS = tuple(f"{kind}_{axis}" for kind in ("rotate", "move", "scale") for axis in "xyz")
+# How a joint may move within its parent, by bit; a bake finds pivots, which joints of a rig do not name.
+NUMBERS = tuple(f"{kind}_{axis}" for kind in ("rotate", "move", "scale", "pivot") for axis in "xyz")
+RIG_NUMBERS = NUMBERS[:9]
 
 
 class DrivenJoint(NamedTuple):
     """A joint that the controls of a face move. parent: an index of driven joints, or None. numbers: how it moves within its
-    parent, some of rotate_x, move_x, scale_x and those of y and z. rest: (3, 4), its frame at rest, in the space of
-    positions."""
+    parent, some of rotate_x, move_x, scale_x, pivot_x (where the point is that it turns about) and those of y and z. rest:
+    (3, 4), its frame at rest, in the space of positions. outer_rotations: how many rotations it turns by beside its first,
+    each after those before it."""
 
     name: str
     parent: Optional[int]
     numbers: Tuple[str, ...]
     rest: Any
+    outer_rotations: int = 0
 
 
 class Skin(NamedTuple):

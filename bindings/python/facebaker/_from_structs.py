@@ -86,7 +86,7 @@ def joint_of(struct: abi.fb_joint) -> Joint:
 def driven_joint_of(struct: abi.fb_driven_joint) -> DrivenJoint:
     parent = None if struct.parent == abi.FB_NO_JOINT else struct.parent
     numbers = tuple(name for bit, name in enumerate(NUMBERS) if struct.numbers >> bit & 1)
-    return DrivenJoint(struct.name.decode(), parent, numbers, _frame(struct.rest))
+    return DrivenJoint(struct.name.decode(), parent, numbers, _frame(struct.rest), struct.outer_rotations)
 
 
 def exact_pose_of(struct: abi.fb_exact_pose) -> ExactPose:

@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, NamedTuple, Optional, Sequence, Tuple, U
 import numpy as np
 
 from ._arrays import ArrayLike, Floats, floats, indices, polygon_lists
-from ._character import NUMBERS, About, Channel, Control, Image, Joint, Material, Mesh, Skin, Socket
+from ._character import RIG_NUMBERS, About, Channel, Control, Image, Joint, Material, Mesh, Skin, Socket
 
 # Takes two axes exactly, so that a function for arrays of any shape, and one for those of two axes, are both accepted.
 Evaluate = Callable[["np.ndarray[Tuple[int, int], np.dtype[np.float32]]"], Any]
@@ -157,8 +157,8 @@ class Rig:
             raise ValueError("a recording is not skinned: it has no frames of joints")
         for joint in self.joints:
             for number in joint.numbers:
-                if number not in NUMBERS:
-                    raise ValueError(f'joint "{joint.name}": {number!r} is none of {", ".join(NUMBERS)}')
+                if number not in RIG_NUMBERS:
+                    raise ValueError(f'joint "{joint.name}": {number!r} is none of {", ".join(RIG_NUMBERS)}')
             if joint.numbers and not self.skinned:
                 raise ValueError(f'joint "{joint.name}" has numbers, and the rig is not skinned')
 

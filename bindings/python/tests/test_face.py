@@ -354,6 +354,8 @@ class FaceTest(unittest.TestCase):
         self.assertEqual([joint.name for joint in face.driven_joints], ["jaw", "tongue", "pin", "lid"])
         self.assertEqual(face.driven_joints[1].parent, 0)
         self.assertEqual(face.driven_joints[1].numbers, ("rotate_x", "rotate_y", "move_z"))
+        self.assertEqual(face.driven_joints[3].numbers[-3:], ("pivot_x", "pivot_y", "pivot_z"))
+        self.assertEqual([joint.outer_rotations for joint in face.driven_joints], [0, 0, 0, 2])
         self.assertEqual(face.find_driven_joint("pin"), 2)
         joints, weights = face.driven_skin
         self.assertTrue((weights.sum(1) <= 1).all())

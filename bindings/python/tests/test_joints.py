@@ -87,6 +87,7 @@ class TestJoints(unittest.TestCase):
         for words, options in {
             '"lid" has numbers, and the rig is not skinned': {"skinned": False},
             "'turn' is none of rotate_x": {"joints": [Joint("head"), Joint("lid", numbers=("turn",))]},
+            "'pivot_x' is none of rotate_x.* scale_z$": {"joints": [Joint("head"), Joint("lid", numbers=("pivot_x",))]},
         }.items():
             with self.assertRaisesRegex(ValueError, words):
                 rig(**options)

@@ -164,6 +164,9 @@ void check_driven_joints(UFaceBakerAsset* asset) {
     that(joints[i].Parent < i, "it comes after its parent");
     that(joints[i].Numbers == static_cast<int32>(expected->driven_joints()[static_cast<std::size_t>(i)].numbers),
          "it has its numbers");
+    that(joints[i].OuterRotations ==
+             static_cast<int32>(expected->driven_joints()[static_cast<std::size_t>(i)].outer_rotations),
+         "and outer rotations");
     const float* rest = expected->driven_joints()[static_cast<std::size_t>(i)].rest.data();
     that(frame_at(joints[i].Rest, 0, 1) == rest[4] && frame_at(joints[i].Rest, 3, 2) == rest[11], "and its frame");
   }

@@ -119,9 +119,11 @@ export interface Skin {
   readonly weights: Float32Array;
 }
 
-/** A way in which a driven joint moves, along an axis of its own frame at rest. */
+/** A way in which a driven joint moves, along an axis of its own frame at rest. Its pivot is the point that it turns
+ * about. */
 export type JointNumber =
-  "rotateX" | "rotateY" | "rotateZ" | "moveX" | "moveY" | "moveZ" | "scaleX" | "scaleY" | "scaleZ";
+  "rotateX" | "rotateY" | "rotateZ" | "moveX" | "moveY" | "moveZ" | "scaleX" | "scaleY" | "scaleZ" |
+  "pivotX" | "pivotY" | "pivotZ";
 
 /** A joint that the controls move, such as that of a jaw. It is a part of the face, inside of the skeleton of `joints`;
  * where it is in a pose, `joints` of Outputs gives. */
@@ -131,6 +133,8 @@ export interface DrivenJoint {
   readonly parent: number;
   /** How controls move it within its parent; none: with that only. */
   readonly numbers: readonly JointNumber[];
+  /** How many rotations it turns by beside its first, each after those before it. */
+  readonly outerRotations: number;
   /** Its frame at rest, in the space of positions, not of its parent: the upper three rows of a 4 x 4 matrix, row after
    * row. */
   readonly rest: readonly number[];

@@ -9,7 +9,8 @@ const wraps: readonly Wrap[] = ["repeat", "clamp", "mirror"];
 const alphaModes = ["opaque", "mask", "blend"] as const;
 /** By bit. */
 const jointNumbers: readonly JointNumber[] =
-  ["rotateX", "rotateY", "rotateZ", "moveX", "moveY", "moveZ", "scaleX", "scaleY", "scaleZ"];
+  ["rotateX", "rotateY", "rotateZ", "moveX", "moveY", "moveZ",
+   "scaleX", "scaleY", "scaleZ", "pivotX", "pivotY", "pivotZ"];
 const orNone = (index: number): number => (index === 0xffffffff ? -1 : index);
 
 /** Reads the parts of one model, each when it is asked for. */
@@ -134,6 +135,7 @@ export class ContentsReader {
   }
   drivenJoints(): DrivenJoint[] {
     return this.all("driven_joint", (j) => ({ name: j.name, parent: orNone(j.parent), rest: j.rest,
+                                              outerRotations: j.outer_rotations,
                                               numbers: jointNumbers.filter((_, bit) => (j.numbers >>> bit) & 1) }));
   }
   drivenSkin(): Skin | null {

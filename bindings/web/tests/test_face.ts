@@ -79,8 +79,10 @@ test("vertices follow the driven joints from where they are before", async () =>
   assert(drivenJoints.length > 1 && drivenSkin !== null);
   drivenJoints.forEach(({ name, parent, numbers, rest }, index) => {
     assert(name !== "" && parent >= -1 && parent < index && rest.length === 12);
-    assert(numbers.every((number) => /^(rotate|move|scale)[XYZ]$/.test(number)));
+    assert(numbers.every((number) => /^(rotate|move|scale|pivot)[XYZ]$/.test(number)));
   });
+  assert.deepEqual(drivenJoints.at(-1)!.numbers.slice(9), ["pivotX", "pivotY", "pivotZ"]);
+  assert.deepEqual(drivenJoints.map(({ outerRotations }) => outerRotations), [0, 0, 0, 2]);
   assert(drivenJoints.some(({ parent }) => parent >= 0) && drivenJoints.some(({ numbers }) => numbers.length > 1));
   assert.deepEqual((await open("character")).drivenJoints, []);
   assert.equal((await open("character")).drivenSkin, null);

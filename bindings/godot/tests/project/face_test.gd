@@ -137,6 +137,7 @@ func _check_driven_joints() -> void:
 		_that(face.driven_joint_parent(j) < j and face.driven_joint_parent(j) >= -1, "it comes after its parent")
 		_that(var2bytes(face.driven_joint_rest(j)) == var2bytes(face.driven_joint_frame(j)), "it is at rest")
 	_that(face.driven_joint_numbers(0) == 7 and face.driven_joint_numbers(2) == 0, "the jaw turns, and the pin does not move")
+	_that(face.driven_joint_outer_rotations(0) == 0 and face.driven_joint_outer_rotations(3) == 2, "the lid turns by three")
 	var influences: int = face.driven_influences()
 	_that(influences > 0 and face.driven_skin_joints().size() == face.vertex_count() * influences, "joints of vertices")
 	_that(face.driven_skin_weights().size() == face.vertex_count() * influences, "weights of vertices")

@@ -76,6 +76,7 @@ TArray<FFaceBakerDrivenJoint> UFaceBakerComponent::GetDrivenJoints() const {
     Made.Name = UTF8_TO_TCHAR(Joint.name.c_str());
     Made.Parent = Joint.parent;
     Made.Numbers = static_cast<int32>(Joint.numbers);
+    Made.OuterRotations = static_cast<int32>(Joint.outer_rotations);
     Made.Rest = TransformOfFrame(Joint.rest.data());
     Joints.Add(Made);
   }

@@ -34,6 +34,7 @@ std::vector<DrivenJoint> read_driven_joints(const fb_model* model, const engine:
     joints[i].name = joint.name;
     joints[i].parent = joint.parent == FB_NO_JOINT ? -1 : static_cast<std::int32_t>(joint.parent);
     joints[i].numbers = joint.numbers;
+    joints[i].outer_rotations = joint.outer_rotations;
     axes.convert_frame(joint.rest, joints[i].rest.data());
   }
   return joints;

@@ -25,10 +25,11 @@ std::shared_ptr<const Model> load_archive(const void* bytes, std::size_t size, s
 
 /** A joint that the controls of a face move. */
 struct DrivenJoint {
-  std::string name;              ///< unique
-  std::int32_t parent = -1;      ///< index of its parent, less than its own; -1: none
-  std::uint32_t numbers = 0;     ///< FB_JOINT_... of facebaker_character.h, or-ed: how it moves within its parent
-  std::array<float, 12> rest{};  ///< its frame at rest, before a skeleton moves it: Unreal's axes and units
+  std::string name;                   ///< unique
+  std::int32_t parent = -1;           ///< index of its parent, less than its own; -1: none
+  std::uint32_t numbers = 0;          ///< FB_JOINT_... of facebaker_character.h, or-ed: how it moves within its parent
+  std::uint32_t outer_rotations = 0;  ///< how many rotations it turns by beside its first, each after those before it
+  std::array<float, 12> rest{};       ///< its frame at rest, before a skeleton moves it: Unreal's axes and units
 };
 
 /** What a section of a mesh is drawn from: as many entries of three floats as it has vertices. */

@@ -33,9 +33,12 @@ struct FFaceBakerDrivenJoint {
   UPROPERTY(BlueprintReadOnly, Category = "FaceBaker")
   int32 Parent = -1;
   /** How controls move it within its parent, along its own axes: turns about x, y, z are 1, 2, 4, moves 8, 16, 32,
-   * lengths 64, 128, 256, added up. */
+   * lengths 64, 128, 256, pivots 512, 1024, 2048, added up. */
   UPROPERTY(BlueprintReadOnly, Category = "FaceBaker")
   int32 Numbers = 0;
+  /** How many rotations it turns by beside its first, each after those before it. */
+  UPROPERTY(BlueprintReadOnly, Category = "FaceBaker")
+  int32 OuterRotations = 0;
   /** At rest, in the space of the component, before the skeleton moves it. */
   UPROPERTY(BlueprintReadOnly, Category = "FaceBaker")
   FTransform Rest;
