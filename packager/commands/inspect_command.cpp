@@ -93,9 +93,16 @@ std::string skin_text(const Json& document, const char* key, const char* joints)
                 joints, count_text(document[key].at("influences")).c_str());
 }
 
-std::string numbers_text(const Json& joint) {
+std::string numbers_text(const Json& numbers) {
   std::string text;
-  for (const Json& number : joint.at("numbers")) text += (text.empty() ? "" : ", ") + number.get<std::string>();
+  for (const Json& number : numbers) text += (text.empty() ? "" : ", ") + number.get<std::string>();
+  return text;
+}
+
+std::string outer_rotations_text(const Json& joint) {
+  std::string text;
+  for (const Json& rotation : joint.value("outer_rotations", Json::array()))
+    text += (text.empty() ? "" : "; ") + numbers_text(rotation);
   return text;
 }
 
@@ -107,7 +114,7 @@ std::string character_tables(const Json& document) {
   Table sockets({"socket", "vertices"});
   Table exact({"exact pose"});
   Table joints({"joint", "parent"});
-  Table driven({"driven joint", "parent", "numbers"});
+  Table driven({"driven joint", "parent", "numbers", "outer rotations"});
   Table levels({"level of detail", "vertices", "polygons", "coefficients"});
   const auto each = [&](const char* key, Table& table, const auto& row) {
     if (!document.contains(key)) return std::string();
@@ -138,7 +145,7 @@ std::string character_tables(const Json& document) {
     return Row{json.at("name"), document["joints"][json["parent"].get<std::size_t>()].at("name")};
   };
   const auto driven_joint = [](const Json& json, const std::string&) {
-    return Row{json.at("name"), json.value("parent", ""), numbers_text(json)};
+    return Row{json.at("name"), json.value("parent", ""), numbers_text(json.at("numbers")), outer_rotations_text(json)};
   };
   return each("meshes", meshes, mesh) + each("materials", materials, material) + each("images", images, image) +
          each("sockets", sockets, socket) + each("joints", joints, joint) + skin_text(document, "skin", "joints") +

@@ -177,10 +177,16 @@ TEST_CASE("inspect lists the joints that controls drive") {
   CHECK(tongue.at("name") == "tongue");
   CHECK(tongue.at("parent") == "jaw");
   CHECK(tongue.at("numbers") == Json({"rotate_x", "rotate_y", "move_z"}));
+  const Json& lid = json.at("driven_joints").at(3);
+  CHECK(lid.at("numbers").size() == 12);
+  CHECK(lid.at("numbers").back() == "pivot_z");
+  CHECK(lid.at("outer_rotations") == Json::parse(R"([["rotate_x", "rotate_y", "rotate_z"], ["rotate_y"]])"));
+  CHECK_FALSE(tongue.contains("outer_rotations"));
   CHECK(json.at("driven_skin").at("influences") == 3);
   const std::string text = run_tool({"inspect", archive}).out;
   CHECK_MESSAGE(text.find("| tongue       |    jaw | ") != std::string::npos, text);
   CHECK_MESSAGE(text.find(" rotate_x, rotate_y, move_z |") != std::string::npos, text);
+  CHECK_MESSAGE(text.find(" rotate_x, rotate_y, rotate_z; rotate_y |") != std::string::npos, text);
   CHECK_MESSAGE(text.find("vertices follow driven joints, at most 3 each") != std::string::npos, text);
 }
 

@@ -175,11 +175,22 @@ std::uint32_t numbers_of(const std::vector<JsonField>& list, std::uint32_t known
   for (const JsonField& number : list) {
     const std::string name = number.text();
     const auto found = std::ranges::find(number_names, name);
-    if (found == std::end(number_names) || !(known >> (found - std::begin(number_names)) & 1))
-      number.refuse(format("\"%s\" is none of rotate_x, move_x, scale_x and those of y and z", name.c_str()));
+    if (found == std::end(number_names) || !(known >> (found - std::begin(number_names)) & 1)) {
+      std::string names;
+      for (std::size_t n = 0; n < numbers_a_joint; n += 3)
+        if (known >> n & 1) names += (names.empty() ? "" : ", ") + std::string(number_names[n]);
+      number.refuse(format("\"%s\" is none of %s and those of y and z", name.c_str(), names.c_str()));
+    }
     numbers |= 1u << (found - std::begin(number_names));
   }
   return numbers;
+}
+
+ordered_json names_of(std::uint32_t numbers) {
+  ordered_json names = ordered_json::array();
+  for (std::size_t n = 0; n < numbers_a_joint; ++n)
+    if (numbers >> n & 1) names.push_back(number_names[n]);
+  return names;
 }
 
 }  // namespace
@@ -188,14 +199,8 @@ void write_driven_joints(const std::vector<DrivenJoint>& joints, ordered_json& t
   for (const DrivenJoint& joint : joints) {
     ordered_json& written = to["driven_joints"].emplace_back(ordered_json{{"name", joint.name}});
     if (joint.parent != no_joint) written["parent"] = joints[joint.parent].name;
-    written["numbers"] = ordered_json::array();
-    for (std::size_t n = 0; n < numbers_a_joint; ++n)
-      if (joint.numbers >> n & 1) written["numbers"].push_back(number_names[n]);
-    for (const std::uint8_t rotation : joint.outer_rotations) {
-      ordered_json& outer = written["outer_rotations"].emplace_back(ordered_json::array());
-      for (std::size_t n = 0; n < 3; ++n)
-        if (rotation >> n & 1) outer.push_back(number_names[n]);
-    }
+    written["numbers"] = names_of(joint.numbers);
+    for (const std::uint8_t rotation : joint.outer_rotations) written["outer_rotations"].push_back(names_of(rotation));
     written["frame"] = joint.rest;
   }
 }
@@ -219,11 +224,8 @@ std::vector<DrivenJoint> read_driven_joints(const JsonField& from) {
       joint.parent = static_cast<std::uint32_t>(found - joints.begin());
     }
     joint.numbers = numbers_of(field["numbers"].items(), joint_numbers_of_rigs | joint_pivot);
-    for (const JsonField& rotation : field["outer_rotations"].items_or_none()) {
-      const std::uint32_t outer = numbers_of(rotation.items(), joint_rotation);
-      if (outer == 0) rotation.refuse("an outer rotation has some of rotate_x, rotate_y, rotate_z");
-      joint.outer_rotations.push_back(static_cast<std::uint8_t>(outer));
-    }
+    for (const JsonField& rotation : field["outer_rotations"].items_or_none())
+      joint.outer_rotations.push_back(static_cast<std::uint8_t>(numbers_of(rotation.nonempty_items(), joint_rotation)));
     joints.push_back(std::move(joint));
   }
   return joints;

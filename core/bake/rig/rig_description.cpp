@@ -248,8 +248,8 @@ struct Reader {
     std::copy_n(rig.joint_numbers, rig.joint_count, numbers.begin());
     for (std::size_t j = 0; j < numbers.size(); ++j)
       if ((numbers[j] & ~joint_numbers_of_rigs) != 0)
-        fail(Status::rig, "%s: joint_numbers of joint %zu is %#x, which has unknown bits", label.c_str(), j,
-             numbers[j]);
+        fail(Status::rig, "%s: joint_numbers of joint %zu is %#x; a rig has FB_JOINT_ROTATE, _MOVE and _SCALE only",
+             label.c_str(), j, numbers[j]);
     return numbers;
   }
 

@@ -10,8 +10,10 @@
 #include "bake/pipeline/bake.h"
 #include "bake/pipeline/compare.h"
 #include "bake/rig/carried_numbers.h"
+#include "bake/rig/character_json.h"
 #include "bake/rig/driven_pose.h"
 #include "bake/rig/jointless_source.h"
+#include "bake/rig/json_field.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig_process/rig_messages.h"
@@ -258,6 +260,23 @@ TEST_CASE("numbers of joints go through the rig protocol and datasets") {
   CHECK(largest_apart(frame, points_of(source, {controls.begin(), controls.end()})) < tolerance);
 }
 
+TEST_CASE("outer rotations and pivots go through JSON, and what they are not is told") {
+  const DrivenJoints driven = driven_model().rest.driven;
+  nlohmann::ordered_json written;
+  write_driven_joints(driven.joints, written);
+  const nlohmann::json text = nlohmann::json::parse(written.dump());
+  CHECK(read_driven_joints(JsonField(text, "text:")) == driven.joints);
+  const auto refused = [&](const char* key, const char* value, const char* message) {
+    nlohmann::json changed = text;
+    changed["driven_joints"][3][key] = nlohmann::json::parse(value);
+    const std::string what = failure(Status::bad_data, [&] { read_driven_joints(JsonField(changed, "text:")); });
+    CHECK_MESSAGE(contains(what, message), what);
+  };
+  refused("numbers", R"(["turn"])", "\"turn\" is none of rotate_x, move_x, scale_x, pivot_x and those of y and z");
+  refused("outer_rotations", R"([["rotate_x", "move_y"]])", "\"move_y\" is none of rotate_x and those of y and z");
+  refused("outer_rotations", R"([["rotate_x"], []])", "driven_joints[3] outer_rotations[1] is empty");
+}
+
 namespace {
 
 // What a child says that serves a FaceRig, whose poses come after skinning.
@@ -348,6 +367,8 @@ TEST_CASE("what a child says wrongly of its joints is refused") {
   };
   refused([](SkinnedChild& c) { c.fields["skinned"] = false; }, "joints has numbers without \"skinned\"");
   refused([](SkinnedChild& c) { c.fields["joints"][1]["numbers"][0] = "turn"; }, "\"turn\" is none of rotate_x");
+  refused([](SkinnedChild& c) { c.fields["joints"][1]["numbers"][0] = "pivot_x"; },
+          "\"pivot_x\" is none of rotate_x, move_x, scale_x and those of y and z");
   refused([](SkinnedChild& c) { c.fields["skinned"] = 1; }, "skinned");
   refused(
       [](SkinnedChild& c) {
@@ -450,7 +471,8 @@ TEST_CASE("what a rig says wrongly of its joints is refused") {
     const std::string what = failure(Status::rig, [&] { RigSource(rig.rig); });
     CHECK_MESSAGE(contains(what, message), what);
   };
-  refused([](FaceRig& r) { r.numbers[1] = 512; }, "joint_numbers of joint 1 is 0x200, which has unknown bits");
+  refused([](FaceRig& r) { r.numbers[1] = FB_JOINT_PIVOT_X; },
+          "joint_numbers of joint 1 is 0x200; a rig has FB_JOINT_ROTATE, _MOVE and _SCALE only");
   refused([](FaceRig& r) { r.joints[1].parent = FB_NO_JOINT; }, "joint \"jaw\", which controls move, hangs on none");
   refused([](FaceRig& r) { r.weights[0] = 0.5f; }, "vertex 0 has weights of joints that sum to 0.5, not 1");
   refused([](FaceRig& r) { r.numbers[0] = FB_JOINT_ROTATE, r.weights[0] = 1.5f; },
