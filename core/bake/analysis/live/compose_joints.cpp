@@ -83,7 +83,8 @@ class OrderSearch {
     for (std::size_t j = 0; j < pairs_.size(); ++j) {
       if (pairs_[j].empty()) continue;
       orders[j] = order_of(j);
-      for (const auto& rotation : orders[j].rotations) controls.insert(rotation.begin(), rotation.end());
+      for (std::size_t r = 1; r < orders[j].rotations.size(); ++r)
+        controls.insert(orders[j].rotations[r].begin(), orders[j].rotations[r].end());
     }
     sample(controls);
     for (std::size_t j = 0; j < orders.size(); ++j)
@@ -94,20 +95,27 @@ class OrderSearch {
   }
 
  private:
+  // How two controls together turn a joint.
+  struct JointPair {
+    std::uint32_t joint, a, b;
+    Axis turn;
+  };
+
   // The controls of each rotation of a joint, from the inside out. With axes, rotation r is about axes[r] alone.
   struct Order {
     std::vector<std::vector<std::uint32_t>> rotations;
     std::optional<AxisOrder> axes;
   };
 
-  // None where sums of vectors leave no more; Euler angles, which all controls add to, where those leave least, or take
-  // fewer rotations.
+  // None where sums of vectors leave enough or least; Euler angles, which all controls add to, where those leave least
+  // and an order of the controls is not as good with as few rotations.
   Order order_of(std::size_t joint) const {
     const double enough = enough_left * tolerance_ * enough_left * tolerance_;
+    std::vector<PairOfTurns> pairs;
     double summed = 0;
-    for (const PairOfTurns& pair : pairs_[joint]) summed += pair.summed;
+    for (const JointPair& pair : pairs_[joint]) summed += pairs.emplace_back(turns_of(pair)).summed;
     if (summed <= enough) return {};
-    const JointOrder order(pairs_[joint]);
+    const JointOrder order(pairs);
     Order best;
     double least = summed;
     if (const double left = std::max(order.left(), enough); left < least)
@@ -115,7 +123,7 @@ class OrderSearch {
     const bool few = best.rotations.size() > 1 && best.rotations.size() <= 3;
     for (const AxisOrder& axes : axis_orders) {
       double left = 0;
-      for (const PairOfTurns& pair : pairs_[joint]) left += left_of(pair, joint, axes);
+      for (const JointPair& pair : pairs_[joint]) left += left_by_angles(pair, axes);
       if (left < least && !(few && least <= enough)) least = left, best.axes = axes;
     }
     if (!best.axes) return best;
@@ -124,14 +132,6 @@ class OrderSearch {
       if (ends_[c].size > 0 && length(ends_[c].moves[joint].turn) > 0) turning.push_back(c);
     best.rotations.assign(3, turning);
     return best;
-  }
-
-  // What is left of a pair that adds Euler angles, squared.
-  double left_of(const PairOfTurns& pair, std::size_t joint, const AxisOrder& axes) const {
-    const auto angles = [&](std::uint32_t c) { return euler_angles(ends_[c].moves[joint].turn, axes); };
-    const double off = reaches_[joint] * distance(asked_.at({pair.a, pair.b})[joint].turn,
-                                                  from_euler_angles(plus(angles(pair.a), angles(pair.b)), axes));
-    return off * off;
   }
 
   // The end of each control at which it turns joints further.
@@ -171,21 +171,32 @@ class OrderSearch {
     std::vector<std::vector<ControlPlace>> poses;
     for (const Pair& pair : pairs)
       poses.push_back({{pair.a, ends_[pair.a].position}, {pair.b, ends_[pair.b].position}});
-    const std::vector<JointMoves> moves = evaluate_joints(rig_, poses, "turning joints by pairs", progress_);
+    std::vector<std::vector<JointPair>> turned(pairs.size());
+    visit_joints(rig_, poses, "turning joints by pairs", progress_, [&](std::size_t i, const JointMoves& moves) {
+      for (std::uint32_t j = 0; j < reaches_.size(); ++j)
+        if (order_matters(pairs[i].a, pairs[i].b, j) > tolerance_ / 4)
+          turned[i].push_back({j, pairs[i].a, pairs[i].b, moves[j].turn});
+    });
     pairs_.resize(reaches_.size());
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      asked_[{pairs[i].a, pairs[i].b}] = moves[i];
-      for (std::size_t j = 0; j < reaches_.size(); ++j)
-        if (order_matters(pairs[i].a, pairs[i].b, j) > tolerance_ / 4) {
-          const Axis &a = ends_[pairs[i].a].moves[j].turn, &b = ends_[pairs[i].b].moves[j].turn;
-          const auto left = [&](const Axis& guess) {
-            const double off = reaches_[j] * distance(moves[i][j].turn, guess);
-            return off * off;
-          };
-          pairs_[j].push_back(
-              {pairs[i].a, pairs[i].b, left(plus(a, b)), left(turned_further(a, b)), left(turned_further(b, a))});
-        }
-    }
+    for (const std::vector<JointPair>& of_pair : turned)
+      for (const JointPair& pair : of_pair) pairs_[pair.joint].push_back(pair);
+  }
+
+  // What is left of a rotation that was taken to be another, squared.
+  double left(const JointPair& pair, const Axis& guess) const {
+    const double off = reaches_[pair.joint] * distance(pair.turn, guess);
+    return off * off;
+  }
+
+  PairOfTurns turns_of(const JointPair& pair) const {
+    const Axis &a = ends_[pair.a].moves[pair.joint].turn, &b = ends_[pair.b].moves[pair.joint].turn;
+    return {pair.a, pair.b, left(pair, plus(a, b)), left(pair, turned_further(a, b)), left(pair, turned_further(b, a))};
+  }
+
+  // For a pair that adds Euler angles.
+  double left_by_angles(const JointPair& pair, const AxisOrder& axes) const {
+    const auto angles = [&](std::uint32_t c) { return euler_angles(ends_[c].moves[pair.joint].turn, axes); };
+    return left(pair, from_euler_angles(plus(angles(pair.a), angles(pair.b)), axes));
   }
 
   void sample(const std::set<std::uint32_t>& controls) {
@@ -221,8 +232,7 @@ class OrderSearch {
   const double tolerance_;
   std::vector<double> reaches_;                  // of rotations, by joint; 0 where order does not matter
   std::vector<End> ends_;                        // by control
-  std::vector<std::vector<PairOfTurns>> pairs_;  // by joint
-  std::map<std::pair<std::uint32_t, std::uint32_t>, JointMoves> asked_;  // what pairs do
+  std::vector<std::vector<JointPair>> pairs_;    // by joint
   Samples samples_;
 };
 

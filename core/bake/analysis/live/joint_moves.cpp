@@ -24,9 +24,8 @@ JointMoves moves_of(const DrivenJoints& driven, std::span<const float> coordinat
 
 }  // namespace
 
-std::vector<JointMoves> evaluate_joints(RigEvaluator& rig, const std::vector<std::vector<ControlPlace>>& poses,
-                                        std::string_view stage_name, Progress& progress) {
-  std::vector<JointMoves> moves(poses.size());
+void visit_joints(RigEvaluator& rig, const std::vector<std::vector<ControlPlace>>& poses, std::string_view stage_name,
+                  Progress& progress, const std::function<void(std::size_t, JointMoves)>& visit) {
   EvaluationStage stage(progress, Phase::sampling, stage_name, poses.size());
   const std::size_t first = rig.rest().first_joint_coordinate();
   rig.evaluate_each(
@@ -36,9 +35,15 @@ std::vector<JointMoves> evaluate_joints(RigEvaluator& rig, const std::vector<std
           pose[control] = value_at(rig.schema().controls[control], position);
       },
       [&](std::size_t i, std::span<const float>, std::span<float> displacement) {
-        moves[i] = moves_of(rig.rest().driven, displacement.subspan(first));
+        visit(i, moves_of(rig.rest().driven, displacement.subspan(first)));
       });
-  return moves;
+}
+
+std::vector<JointMoves> evaluate_joints(RigEvaluator& rig, const std::vector<std::vector<ControlPlace>>& poses,
+                                        std::string_view stage, Progress& progress) {
+  std::vector<JointMoves> all(poses.size());
+  visit_joints(rig, poses, stage, progress, [&](std::size_t i, JointMoves moves) { all[i] = std::move(moves); });
+  return all;
 }
 
 std::vector<double> joint_reaches(const DrivenJoints& driven, std::uint32_t which) {

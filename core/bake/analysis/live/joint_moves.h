@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -19,7 +20,12 @@ using JointMoves = std::vector<JointMove>;  // of all driven joints
 // A control at a position, see value_at().
 using ControlPlace = std::pair<std::uint32_t, double>;
 
-// What a live rig does to its driven joints in poses, each given by the controls that are away from rest.
+// Calls visit(pose, moves), on several threads, with what a live rig does to its driven joints in each of some poses,
+// which are given by the controls that are away from rest.
+void visit_joints(RigEvaluator& rig, const std::vector<std::vector<ControlPlace>>& poses, std::string_view stage,
+                  Progress& progress, const std::function<void(std::size_t, JointMoves)>& visit);
+
+// The same, all of them.
 std::vector<JointMoves> evaluate_joints(RigEvaluator& rig, const std::vector<std::vector<ControlPlace>>& poses,
                                         std::string_view stage, Progress& progress);
 
