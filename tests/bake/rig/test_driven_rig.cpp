@@ -392,6 +392,23 @@ TEST_CASE("where controls move all joints, vertices may stay partly where they a
   CHECK(contains(failure(Status::rig, [&] { RigSource(rig.rig); }), "weights of joints that sum to 1.5, more than 1"));
 }
 
+TEST_CASE("a rig budget holds while joints are composed, too") {
+  FaceRig rig;
+  RigSource source(rig.rig);
+  for (const std::uint64_t budget : {120u, 400u, 1500u}) {  // 60 a control are the least to compose joints by
+    const Folder work;
+    BakeOptions options;
+    options.recipe = "compact";
+    options.rig_budget = budget;
+    options.epochs = 5;
+    options.work = work.path();
+    const Baked baked = bake_face(source, options, silent_progress());
+    CHECK(baked.asked <= budget);
+    const archive::Archive face = archive::read_archive(baked.archive);
+    CHECK(face.model.rest.driven.joints[0].outer_rotations.size() == (budget < 360 ? 0 : 1));
+  }
+}
+
 TEST_CASE("a face with driven joints is nearer to its rig than one that learns what they do") {
   FaceRig rig;
   RigSource source(rig.rig);
