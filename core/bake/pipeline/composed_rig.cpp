@@ -15,10 +15,9 @@ ComposedRig compose_rig(Source& rig, const BakeOptions& options, Progress& progr
   check_rig_unchanged(evaluator, options.seed, options.work, progress);
   const EvaluationBudget budget(evaluator, options.rig_budget);
   const PurposeScope purpose(evaluator, EvaluationPurpose::analysis);
-  AnalysisOptions analysis;
-  analysis.rig_budget = options.rig_budget;
   try {
-    std::vector<JointComposition> compositions = compose_joints(evaluator, analysis, progress);
+    std::vector<JointComposition> compositions =
+        compose_joints(evaluator, AnalysisOptions{}.corrective_tolerance, progress);
     if (!compositions.empty()) composed.source = std::make_unique<ComposedSource>(rig, std::move(compositions));
   } catch (const Error& error) {
     if (!options.skip_failing || !is_of_pose(error)) throw;

@@ -117,7 +117,7 @@ double beyond_sums(Source& source) {
 
 std::vector<JointComposition> compose(Source& source, int threads = 2) {
   RigEvaluator rig(source, {.threads = threads});
-  return compose_joints(rig, {}, silent_progress());
+  return compose_joints(rig, 1e-4, silent_progress());
 }
 
 }  // namespace

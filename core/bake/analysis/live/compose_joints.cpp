@@ -61,19 +61,27 @@ AtEnds evaluate_ends(RigEvaluator& rig, Progress& progress) {
   return ends;
 }
 
-// What each of some controls does to joints, at the positions where it was evaluated; nothing at rest.
-using Samples = std::map<std::uint32_t, std::map<double, JointMoves>>;
+// vectors: at positions of the control; at rest it adds nothing.
+VectorCurve curve_through(const RigSchema& schema, std::uint32_t control, std::map<double, Axis> vectors) {
+  vectors[0] = {};
+  VectorCurve curve{control, {}, {}};
+  for (const auto& [position, vector] : vectors) {
+    curve.values.push_back(value_at(schema.controls[control], position));
+    curve.vectors.push_back(vector);
+  }
+  return curve;
+}
 
 class OrderSearch {
  public:
   // alone: what the controls do at the ends of their ranges.
   OrderSearch(RigEvaluator& rig, const AtEnds& alone, double tolerance, Progress& progress)
-      : rig_(rig), driven_(rig.rest().driven), progress_(progress), tolerance_(tolerance) {
+      : rig_(rig), driven_(rig.rest().driven), alone_(alone), progress_(progress), tolerance_(tolerance) {
     reaches_ = joint_reaches(driven_, joint_rotation);
     // One that turns about one axis has no order.
     for (std::size_t j = 0; j < reaches_.size(); ++j)
       if (std::popcount(driven_.joints[j].numbers & joint_rotation) < 2) reaches_[j] = 0;
-    find_ends(alone);
+    find_ends();
   }
 
   void run(std::vector<JointComposition>& compositions) {
@@ -135,13 +143,13 @@ class OrderSearch {
   }
 
   // The end of each control at which it turns joints further.
-  void find_ends(const AtEnds& alone) {
+  void find_ends() {
     ends_.resize(rig_.schema().control_count());
-    for (std::size_t i = 0; i < alone.places.size(); ++i) {
-      const auto [control, position] = alone.places[i];
+    for (std::size_t i = 0; i < alone_.places.size(); ++i) {
+      const auto [control, position] = alone_.places[i];
       double size = 0;
-      for (std::size_t j = 0; j < reaches_.size(); ++j) size += reaches_[j] * length(alone.moves[i][j].turn);
-      if (size > ends_[control].size) ends_[control] = {position, size, alone.moves[i]};
+      for (std::size_t j = 0; j < reaches_.size(); ++j) size += reaches_[j] * length(alone_.moves[i][j].turn);
+      if (size > ends_[control].size) ends_[control] = {position, size, alone_.moves[i]};
     }
   }
 
@@ -199,26 +207,27 @@ class OrderSearch {
     return left(pair, from_euler_angles(plus(angles(pair.a), angles(pair.b)), axes));
   }
 
+  // What controls do to joints between the ends of their ranges, too.
   void sample(const std::set<std::uint32_t>& controls) {
     std::vector<std::vector<ControlPlace>> poses;
-    for (const std::uint32_t c : controls)
-      for (const int side : {-1, 1})
-        for (int k = 1; k <= curve_samples && has_side(rig_.schema().controls[c], side > 0); ++k)
-          poses.push_back({{c, double(side) * k / curve_samples}});
+    for (std::size_t i = 0; i < alone_.places.size(); ++i) {
+      const auto [control, end] = alone_.places[i];
+      if (!controls.contains(control)) continue;
+      samples_[control][end] = alone_.moves[i];
+      for (int k = 1; k < curve_samples; ++k) poses.push_back({{control, end * k / curve_samples}});
+    }
     const std::vector<JointMoves> moves = evaluate_joints(rig_, poses, "turning joints", progress_);
-    for (const std::uint32_t c : controls) samples_[c][0] = JointMoves(reaches_.size());
     for (std::size_t i = 0; i < poses.size(); ++i) samples_[poses[i][0].first][poses[i][0].second] = moves[i];
   }
 
   VectorCurve curve_of(std::uint32_t c, std::size_t joint, const std::optional<AxisOrder>& axes, std::size_t r) const {
-    VectorCurve curve{c, {}, {}};
+    std::map<double, Axis> vectors;
     for (const auto& [position, moves] : samples_.at(c)) {
-      curve.values.push_back(value_at(rig_.schema().controls[c], position));
       const Axis& turn = moves[joint].turn;
-      Axis& vector = curve.vectors.emplace_back(axes ? Axis{} : turn);
+      Axis& vector = vectors[position] = axes ? Axis{} : turn;
       if (axes) vector[(*axes)[r]] = euler_angles(turn, *axes)[(*axes)[r]];
     }
-    return curve;
+    return curve_through(rig_.schema(), c, std::move(vectors));
   }
 
   struct End {
@@ -228,12 +237,13 @@ class OrderSearch {
 
   RigEvaluator& rig_;
   const DrivenJoints& driven_;
+  const AtEnds& alone_;
   Progress& progress_;
   const double tolerance_;
   std::vector<double> reaches_;                  // of rotations, by joint; 0 where order does not matter
   std::vector<End> ends_;                        // by control
   std::vector<std::vector<JointPair>> pairs_;    // by joint
-  Samples samples_;
+  std::map<std::uint32_t, std::map<double, JointMoves>> samples_;  // by control and position
 };
 
 // The pivot of a control by least squares. Beside what it moves the joint by alone, it moves it by p - R p in a pose
@@ -307,15 +317,8 @@ class PivotSearch {
     found.insert(found.end(), found_halfway.begin(), found_halfway.end());
     std::map<std::pair<std::size_t, std::uint32_t>, std::map<double, Axis>> curves;  // of a joint and a control
     for (const Found& one : found) curves[{one.joint, one.place.first}][one.place.second] = one.pivot;
-    for (auto& [of, pivots] : curves) {
-      const auto [joint, control] = of;
-      pivots[0] = {};
-      VectorCurve& curve = compositions[joint].pivot.emplace_back(VectorCurve{control, {}, {}});
-      for (const auto& [position, pivot] : pivots) {
-        curve.values.push_back(value_at(rig_.schema().controls[control], position));
-        curve.vectors.push_back(pivot);
-      }
-    }
+    for (auto& [of, pivots] : curves)
+      compositions[of.first].pivot.push_back(curve_through(rig_.schema(), of.second, std::move(pivots)));
   }
 
  private:
@@ -401,12 +404,11 @@ class PivotSearch {
 
 }  // namespace
 
-std::vector<JointComposition> compose_joints(RigEvaluator& rig, const AnalysisOptions& options, Progress& progress) {
+std::vector<JointComposition> compose_joints(RigEvaluator& rig, double tolerance, Progress& progress) {
   std::vector<JointComposition> compositions(rig.rest().driven.joints.size());
-  const double tolerance = options.corrective_tolerance * rig.diagonal();
   const AtEnds ends = evaluate_ends(rig, progress);
-  OrderSearch(rig, ends, tolerance, progress).run(compositions);
-  PivotSearch(rig, tolerance, progress).run(ends, compositions);
+  OrderSearch(rig, ends, tolerance * rig.diagonal(), progress).run(compositions);
+  PivotSearch(rig, tolerance * rig.diagonal(), progress).run(ends, compositions);
   std::size_t joints = 0, rotations = 0, pivots = 0;
   for (const JointComposition& composition : compositions) {
     joints += !composition.empty();
