@@ -1,14 +1,18 @@
 // bench_frame_maxima ARCHIVE RIG [SEED]: the worst vertex of every frame of the rig's own test clips, of poses and
 // shots drawn with a seed that no bake uses, and of sparse poses, of two to eight controls of one group. Over the
-// diagonal, the largest and the mean in the rig's units, too.
+// diagonal, the largest and the mean in the rig's units, too; and in which parts of the face most of them lie.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "archive/reader.h"
 #include "bake/dataset/open_source.h"
 #include "bake/measure/evaluate.h"
+#include "bake/measure/face_map.h"
 #include "bake/measure/vertex_distance.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/control_responses.h"
@@ -51,7 +55,30 @@ std::vector<float> sparse_poses(const RigSchema& schema, std::uint64_t seed) {
 // The face beside its rig.
 class Comparison {
  public:
-  Comparison(const PackedModel& model, RigEvaluator& rig) : face_(model), work_(face_), rig_(rig) {}
+  Comparison(const PackedModel& model, RigEvaluator& rig)
+      : face_(model), map_(model, rig.parallel()), work_(face_), rig_(rig) {}
+
+  // In which parts of the face the worst vertices of the frames measured so far lie, and how far off they are on
+  // average.
+  void print_parts() const {
+    struct Part {
+      std::size_t frames = 0;
+      double distances = 0;
+    };
+    std::map<std::string, Part> parts;
+    for (const FurthestVertex& worst : worst_) {
+      Part& part = parts[map_.name_of(worst.vertex)];
+      ++part.frames;
+      part.distances += worst.distance / rig_.diagonal();
+    }
+    std::vector<std::pair<std::string, Part>> sorted(parts.begin(), parts.end());
+    std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.second.frames > b.second.frames; });
+    std::printf("worst vertices lie in:");
+    for (std::size_t i = 0; i < std::min<std::size_t>(sorted.size(), 8); ++i)
+      std::printf("%s %s (%zu frames, %.1e)", i ? "," : "", sorted[i].first.c_str(), sorted[i].second.frames,
+                  sorted[i].second.distances / double(sorted[i].second.frames));
+    std::printf("\n");
+  }
 
   FrameMaxima measure(std::span<const float> controls) {
     const std::size_t width = rig_.schema().control_count(), count = controls.size() / width;
@@ -89,13 +116,17 @@ class Comparison {
   void add(std::span<const float> controls, const float* points, FrameMaxima& maxima) {
     predicted_.resize(rig_.rest().surface_points().size());
     face_.evaluate(controls.data(), predicted_.data(), work_);
-    maxima.add(furthest_vertex(predicted_, std::span(points, predicted_.size())).distance / rig_.diagonal());
+    const FurthestVertex worst = furthest_vertex(predicted_, std::span(points, predicted_.size()));
+    maxima.add(worst.distance / rig_.diagonal());
+    worst_.push_back(worst);
   }
 
   const runtime::Evaluator face_;
+  const FaceMap map_;
   runtime::Workspace work_;
   RigEvaluator& rig_;
   std::vector<float> predicted_;
+  std::vector<FurthestVertex> worst_;  // of each frame
 };
 
 }  // namespace
@@ -115,6 +146,7 @@ int main(int argc, char** argv) try {
     all.append(maxima);
   }
   face.print("all test clips", all);
+  face.print_parts();
   if (!rig.live()) return 0;
   const std::uint64_t seed = unused_seeds + (argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1);
   for (const Clip& clip : make_test_poses(rig.schema(), seed, drawn))

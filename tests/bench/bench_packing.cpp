@@ -27,6 +27,7 @@
 #include "bake/sampling/validation_split.h"
 #include "base/status.h"
 #include "base/surface.h"
+#include "frame_maxima.h"
 #include "runtime/evaluator.h"
 
 using namespace fb;
@@ -98,26 +99,32 @@ class Measurement {
 
   // Prints errors over D and of normals. `predict(controls, positions)` poses the face.
   void print(const char* what, const std::function<void(std::span<const float>, std::span<float>)>& predict) const {
-    const std::size_t size = poses_.source().rest().points.size(), width = controls_.size() / poses_.size();
+    const Mesh& rest = poses_.source().rest();
+    const std::size_t size = rest.points.size(), width = controls_.size() / poses_.size(),
+                      vertices = rest.surface_vertex_count();
+    const double diagonal = rest.diagonal();
     std::vector<float> truth(size), predicted(size);
-    double squares = 0, most = 0, angles = 0;
+    double squares = 0, angles = 0;
+    bench::FrameMaxima maxima;
     for (std::size_t pose = 0; pose < poses_.size(); ++pose) {
       poses_.read_points(pose, 1, truth);
       predict(std::span(controls_).subspan(pose * width, width), predicted);
       const std::vector<Vector3> ours = vertex_normals(triangles_, predicted),
                                  theirs = vertex_normals(triangles_, truth);
-      for (std::size_t v = 0; v < ours.size(); ++v) {
+      double most = 0;
+      for (std::size_t v = 0; v < vertices; ++v) {
         const Vector3 error = vector_at(predicted.data(), v) - vector_at(truth.data(), v);
         const double square = double(dot(error, error)), turned = degrees_between(ours[v], theirs[v]);
         squares += square;
         most = std::max(most, square);
         angles += turned * turned;
       }
+      maxima.add(std::sqrt(most) / diagonal);
     }
-    const double diagonal = poses_.source().rest().diagonal(), count = static_cast<double>(poses_.size() * size / 3);
-    std::printf("%-44s mse %.3e  max %.5f  normals %.3f degrees\n", what, squares / diagonal / diagonal / count,
-                std::sqrt(most) / diagonal, std::sqrt(angles / count));
-    std::fflush(stdout);
+    const double count = static_cast<double>(poses_.size() * vertices);
+    std::printf("%-44s mse %.3e  normals %.3f degrees  ", what, squares / diagonal / diagonal / count,
+                std::sqrt(angles / count));
+    maxima.print(diagonal, poses_.source().schema().units);
   }
 
   void print(const char* what, const FaceModel& model) const {
