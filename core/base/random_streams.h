@@ -64,6 +64,8 @@ enum class Stream : std::uint64_t {
   exported_shapes,
   bench_clip,
   bench_network,
+  // Numbered after those that there were, so that these draw as before.
+  region_poses,
 };
 
 inline Random open_stream(std::uint64_t seed, Stream use, std::uint64_t item = 0) {

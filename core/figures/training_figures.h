@@ -26,6 +26,7 @@ void visit_fields(Visit& visit, Struct& epoch) {
 struct RegionStats {
   std::string name;
   std::size_t vertices = 0, inputs = 0, coefficients = 0, parameters = 0;
+  std::size_t poses = 0;  // that it was trained on and measured on: those of the face, and its own
   double energy = 0;  // share of the squared residual that all networks learn; shares sum to 1
   // Error on validation poses after training: squared coefficient error over squared coefficients; 0: not measured.
   double validation = 0;
@@ -40,6 +41,7 @@ void visit_fields(Visit& visit, Struct& region) {
   visit("inputs", region.inputs);
   visit("coefficients", region.coefficients);
   visit("parameters", region.parameters);
+  visit("poses", region.poses);
   visit("energy", region.energy);
   visit("validation", region.validation);
   visit("restarts", region.restarts);

@@ -58,12 +58,12 @@ void add_training_curves(Html& page, const BakeStats& stats) {
 void add_network_table(Html& page, const BakeStats& stats) {
   if (stats.regions.empty()) return;
   page.subheading("Networks");
-  std::vector<std::vector<std::string>> rows = {{"region", "vertices", "inputs", "coefficients", "numbers",
+  std::vector<std::vector<std::string>> rows = {{"region", "vertices", "inputs", "coefficients", "numbers", "poses",
                                                  "share of the energy", "left of training", "validation error",
                                                  "restarts"}};
   for (const RegionStats& r : stats.regions)
     rows.push_back({r.name, std::to_string(r.vertices), std::to_string(r.inputs), std::to_string(r.coefficients),
-                    std::to_string(r.parameters), format("%.1f %%", 100 * r.energy),
+                    std::to_string(r.parameters), std::to_string(r.poses), format("%.1f %%", 100 * r.energy),
                     r.epochs.empty() ? "-" : figure_text(r.epochs.back().training),
                     r.validation > 0 ? figure_text(r.validation) : "-", std::to_string(r.restarts)});
   page.table(rows);

@@ -60,7 +60,7 @@ FaceFigures some_figures() {
   method.poses = 300;
   method.stats.bones = 2;
   method.stats.notes = {"a note"};
-  method.stats.regions = {{"r0", 12, 3, 4, 5, 0.5, 0.1, {{0.3, 0.4}, {0.2, 0.3}}, 1}};
+  method.stats.regions = {{"r0", 12, 3, 4, 5, 900, 0.5, 0.1, {{0.3, 0.4}, {0.2, 0.3}}, 1}};
   method.stats.learning = {{100, 1e-6, 0.1}};
   method.name = "compact";
   method.independent.clips = {{"talk", "shot", "test", some_errors(2), {{1e-8f, 0.01f, 3, 2e-4f, 0}, {}}}};

@@ -28,6 +28,7 @@ RegionStats region_stats(const std::string& name, std::size_t vertices, const Tr
   stats.vertices = vertices;
   stats.inputs = set.inputs;
   stats.coefficients = set.outputs;
+  stats.poses = set.poses;
   for (const DenseLayer& layer : trained.layers) stats.parameters += layer.weights.size() + layer.bias.size();
   stats.epochs = trained.epochs;
   stats.restarts = trained.restarts;

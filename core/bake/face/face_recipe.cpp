@@ -63,6 +63,7 @@ struct Decomposition {
   bool live = false;  // the analysis is of the rig, not of recorded poses
   std::vector<FaceRegion> regions;
   std::vector<LocalBasis> bases;
+  std::shared_ptr<const BlockedBlendshapes> base;  // of the analysis, as it was found
 };
 
 // What the rig shows; nothing where it cannot evaluate a pose and such poses are skipped.
@@ -103,9 +104,9 @@ Decomposition decompose(const FaceRecipe& recipe, const TrainingPoses& training,
     progress.note(format("%zu of %zu correctives are left to the networks", dropped, face.analysis.correctives.size()));
     face.regions = find_regions(rest, schema, face.analysis.residual_motion, region_options);
   }
-  const auto base = std::make_shared<BlockedBlendshapes>(face.analysis.base, rest.vertex_count());
-  face.bases = local_bases(Residual(fitted, base), Residual(poses, base), face.regions, recipe.basis, options.parallel,
-                           progress);
+  face.base = std::make_shared<BlockedBlendshapes>(face.analysis.base, rest.vertex_count());
+  face.bases = local_bases(Residual(fitted, face.base), Residual(poses, face.base), face.regions, recipe.basis,
+                           options.parallel, progress);
   // Regions without residual need no network.
   for (std::size_t r = face.regions.size(); r-- > 0;)
     if (face.bases[r].count == 0 || face.regions[r].controls.empty()) {
@@ -115,7 +116,7 @@ Decomposition decompose(const FaceRecipe& recipe, const TrainingPoses& training,
   return face;
 }
 
-std::vector<std::string> summary_notes(const Decomposition& face, double share_left) {
+std::vector<std::string> summary_notes(const Decomposition& face, const RegionNetworks& networks) {
   std::size_t values = 0;
   for (const SparseShape& shape : face.analysis.base.shapes) values += shape.offsets.size();
   std::vector<std::string> notes = {
@@ -127,7 +128,10 @@ std::vector<std::string> summary_notes(const Decomposition& face, double share_l
     notes.push_back("the blendshapes leave no residual: there are no networks");
   else
     notes.push_back(format("%zu networks leave %.3g %% of the squared residual of the poses held back",
-                           face.regions.size(), 100 * share_left));
+                           face.regions.size(), 100 * networks.share_left));
+  if (networks.region_poses > 0)
+    notes.push_back(format("besides all poses, networks are trained on %zu that the controls of one region move",
+                           networks.region_poses));
   return notes;
 }
 
@@ -154,9 +158,9 @@ TrainedFace train_face(const FaceRecipe& recipe, const TrainingPoses& training, 
   face.model.network.features = inputs.features;
   std::vector<CurveTable> tables = take_curve_tables(parts.analysis.base, poses, recipe.analysis.curve_tolerance / 2);
   for (const SparseShape& shape : parts.analysis.base.shapes) face.model.network.direct.push_back(shape.feature);
-  RegionNetworks networks =
-      train_region_networks(recipe, parts.regions, parts.bases, inputs, training, options, progress);
-  face.stats.notes = summary_notes(parts, networks.share_left);
+  RegionNetworks networks = train_region_networks(recipe, parts.regions, parts.bases, inputs, training, *parts.base,
+                                                  parts.live ? rig : nullptr, options, progress);
+  face.stats.notes = summary_notes(parts, networks);
   face.model.network.regions = std::move(networks.regions);
   for (CurveTable& table : tables) {
     face.model.network.regions.push_back(std::move(table.network));

@@ -111,21 +111,23 @@ std::vector<std::uint32_t> FeatureTable::columns(std::span<const std::uint32_t> 
   return columns;
 }
 
-FeatureTable feature_table(const RegionInputs& inputs, const PoseSet& poses, const Parallel& parallel) {
+FeatureTable feature_table(const RegionInputs& inputs, const RigSchema& schema, std::span<const float> controls,
+                           const Parallel& parallel) {
   FeatureTable table;
   std::set<std::uint32_t> used;
   for (const auto& list : inputs.of_region) used.insert(list.begin(), list.end());
   table.features.assign(used.begin(), used.end());
-  const std::size_t count = table.poses = poses.size(), width = table.features.size(), all = inputs.features.size();
+  const std::vector<float> rest = schema.rest_pose();
+  const std::size_t count = table.poses = controls.size() / rest.size(), width = table.features.size(),
+                    all = inputs.features.size();
   table.values.resize(count * width);
   for (const Gate& gate : inputs.gates) table.gates.emplace_back(gate.features.empty() ? 0 : count);
 
-  const std::vector<float> controls = poses.controls(), rest = poses.source().schema().rest_pose();
   const std::size_t blocks = (count + task_poses - 1) / task_poses;
   parallel_for(parallel, blocks, [&](std::size_t b, std::size_t) {
     std::vector<float> values(all);
     for (std::size_t pose = b * task_poses; pose < std::min(count, (b + 1) * task_poses); ++pose) {
-      evaluate_features(inputs.features, std::span(controls).subspan(pose * rest.size(), rest.size()), rest, values);
+      evaluate_features(inputs.features, controls.subspan(pose * rest.size(), rest.size()), rest, values);
       for (std::size_t f = 0; f < width; ++f) table.values[pose * width + f] = values[table.features[f]];
       for (std::size_t r = 0; r < inputs.gates.size(); ++r)
         if (!table.gates[r].empty()) table.gates[r][pose] = gate_value(inputs.gates[r], values.data());

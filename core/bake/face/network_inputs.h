@@ -53,7 +53,9 @@ struct FeatureTable {
   std::vector<std::uint32_t> columns(std::span<const std::uint32_t> of) const;
 };
 
-FeatureTable feature_table(const RegionInputs& inputs, const PoseSet& poses, const Parallel& parallel);
+// controls: poses x controls of the schema.
+FeatureTable feature_table(const RegionInputs& inputs, const RigSchema& schema, std::span<const float> controls,
+                           const Parallel& parallel);
 
 // Removes the features that no coefficient, input, gate or other feature uses; the others keep their order.
 void keep_live_features(Network& network);

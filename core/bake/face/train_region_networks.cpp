@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <numeric>
 #include <string>
 
 #include "bake/face/network_sizes.h"
+#include "bake/face/region_poses.h"
 #include "bake/train/trainer.h"
 #include "base/random_streams.h"
 #include "base/status.h"
@@ -45,13 +47,44 @@ double relative_error(const TrainedLayers& trained, const TrainingSet& set) {
   return set.validation.empty() ? trained.loss : trained.validation;
 }
 
+// The poses of the face and those of one region, as one training set.
+class JoinedPoses {
+ public:
+  // `face`: of which `columns` are the region's inputs. `own`: the same features in the region's own poses.
+  JoinedPoses(const TrainingSet& face, const FeatureTable& own, std::span<const float> own_gates,
+              std::span<const float> own_targets)
+      : set_(face), targets_(face.targets.begin(), face.targets.end()), gates_(face.gates.begin(), face.gates.end()) {
+    features_.reserve((face.poses + own.poses) * face.inputs);
+    add_features(face.features, face.stride, face.columns);
+    add_features(own.values, own.features.size(), face.columns);
+    targets_.insert(targets_.end(), own_targets.begin(), own_targets.end());
+    gates_.insert(gates_.end(), own_gates.begin(), own_gates.end());
+    set_.poses += own.poses;
+    set_.features = features_, set_.targets = targets_, set_.gates = gates_;
+    set_.stride = 0, set_.columns = {};
+  }
+  JoinedPoses(const JoinedPoses&) = delete;
+  JoinedPoses& operator=(const JoinedPoses&) = delete;
+
+  const TrainingSet& set() const { return set_; }  // valid as long as this
+
+ private:
+  void add_features(std::span<const float> values, std::size_t stride, std::span<const std::uint32_t> columns) {
+    for (std::size_t row = 0; row < values.size(); row += stride)
+      for (const std::uint32_t column : columns) features_.push_back(values[row + column]);
+  }
+
+  TrainingSet set_;
+  std::vector<float> features_, targets_, gates_;
+};
+
 // The networks of all regions, trained together.
 class RegionTraining {
  public:
   RegionTraining(const FaceRecipe& recipe, const BakeOptions& options, std::span<const LocalBasis> bases,
                  const RegionInputs& inputs, const FeatureTable& table, std::span<const std::uint32_t> validation,
                  const Source& source)
-      : recipe_(recipe), options_(options), source_(source), recorded_(!inputs.scales.empty()) {
+      : recipe_(recipe), options_(options), source_(source), poses_(table.poses), recorded_(!inputs.scales.empty()) {
     for (std::size_t r = 0; r < bases.size(); ++r) columns_.push_back(table.columns(inputs.of_region[r]));
     for (std::size_t r = 0; r < bases.size(); ++r) {
       energies.push_back(mean_energy(bases[r], table.poses));
@@ -84,9 +117,25 @@ class RegionTraining {
     for (std::size_t r = 0; r < sets.size(); ++r) demands[r].error *= relative_error(trained[r], sets[r]);
   }
 
+  // Evaluates poses of single regions, more of those of which narrow networks leave more, and adds each region's to its
+  // set. Returns their number.
+  std::size_t add_region_poses(RigEvaluator& rig, const BlockedBlendshapes& base, std::span<const FaceRegion> regions,
+                               std::span<const LocalBasis> bases, const RegionInputs& inputs, Progress& progress) {
+    std::vector<double> errors;
+    for (const NetworkDemand& demand : demands) errors.push_back(demand.error);
+    const std::vector<std::size_t> counts = region_pose_counts(region_pose_count(poses_), errors);
+    const std::vector<RegionPoses> own = region_poses(rig, base, regions, bases, counts, options_.seed, progress);
+    for (std::size_t r = 0; r < sets.size(); ++r) {
+      if (counts[r] == 0) continue;
+      const FeatureTable table = feature_table(inputs, rig.schema(), own[r].controls, options_.parallel);
+      sets[r] = joined_.emplace_back(sets[r], table, table.gates[r], own[r].coefficients).set();
+    }
+    return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  }
+
   // The widths of the networks within the recipe's parameters.
   std::vector<std::uint32_t> widths() const {
-    const double poses = static_cast<double>(sets[0].poses);
+    const double poses = static_cast<double>(poses_);
     const double share =
         std::clamp(std::cbrt(poses / double(recipe_.full_size_poses)), recipe_.min_parameter_share, 1.0);
     const double parameters = std::min(
@@ -119,20 +168,22 @@ class RegionTraining {
 
   // Epochs that `flops` suffice for.
   std::uint32_t affordable_epochs(std::span<const std::uint32_t> widths, double flops, std::uint32_t at_least) const {
-    double weights = 0;
+    double products = 0;
     for (std::size_t r = 0; r < sets.size(); ++r)
-      weights += static_cast<double>(network_parameters(demands[r], recipe_.hidden_layers, widths[r]));
-    const double per_epoch = flops_per_weight * weights * static_cast<double>(sets[0].poses);
+      products += static_cast<double>(network_parameters(demands[r], recipe_.hidden_layers, widths[r])) *
+                  static_cast<double>(sets[r].poses);
+    const double per_epoch = flops_per_weight * products;
     const double epochs = std::clamp(flops / std::max(per_epoch, 1.0), 1.0, double(max_epochs));
     return std::max(static_cast<std::uint32_t>(epochs), at_least);
   }
 
   std::vector<TrainedLayers> train(std::span<const std::uint32_t> widths, std::uint32_t epochs,
                                    const std::string& checkpoint, std::string_view stage, Progress& progress) const {
-    const double steps = double(epochs) * static_cast<double>((sets[0].poses - sets[0].validation.size()) / batch + 1);
     std::vector<TrainingPlan> plans(sets.size());
     for (std::size_t r = 0; r < sets.size(); ++r) {
       TrainingPlan& plan = plans[r];
+      const double steps =
+          double(epochs) * static_cast<double>((sets[r].poses - sets[r].validation.size()) / batch + 1);
       plan.widths.assign(recipe_.hidden_layers, widths[r]);
       plan.activation = Activation::silu;
       plan.schedule = Schedule::warmup_stable_decay;
@@ -156,23 +207,33 @@ class RegionTraining {
   const FaceRecipe& recipe_;
   const BakeOptions& options_;
   const Source& source_;
+  std::size_t poses_;                                // of the whole face
   bool recorded_;                                    // all was learnt from the poses: the inputs have scales
   std::vector<std::vector<std::uint32_t>> columns_;  // of the feature table, of each region
+  std::deque<JoinedPoses> joined_;                   // of regions with poses of their own
 };
 
 }  // namespace
 
 RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const FaceRegion> regions,
                                      std::span<const LocalBasis> bases, const RegionInputs& inputs,
-                                     const TrainingPoses& training_poses, const BakeOptions& options,
-                                     Progress& progress) {
+                                     const TrainingPoses& training_poses, const BlockedBlendshapes& base,
+                                     RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   RegionNetworks networks;
   if (regions.empty()) return networks;
   const PoseSet& poses = training_poses.all;
-  const FeatureTable table = feature_table(inputs, poses, options.parallel);
+  const FeatureTable table = feature_table(inputs, poses.source().schema(), poses.controls(), options.parallel);
   const Mesh& rest = poses.source().rest();
   RegionTraining training(recipe, options, bases, inputs, table, training_poses.split.validation, poses.source());
   if (regions.size() > 1) training.run_pilot(progress);
+  if (rig && options.rig_budget == 0) {
+    try {
+      networks.region_poses = training.add_region_poses(*rig, base, regions, bases, inputs, progress);
+    } catch (const Error& error) {
+      if (!options.skip_failing || !is_of_pose(error)) throw;
+      progress.note(format("no poses of single regions are trained on: %s", error.what()));
+    }
+  }
   const std::vector<std::uint32_t> widths = training.widths();
   const std::vector<TrainedLayers> trained = training.run(widths, progress);
 
@@ -182,7 +243,8 @@ RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const F
     networks.regions.push_back({regions[r].name, inputs.of_region[r], trained[r].layers, inputs.gates[r]});
     networks.stats.push_back({regions[r].name, regions[r].vertices.size(), training.sets[r].inputs, bases[r].count,
                               network_parameters(training.demands[r], recipe.hidden_layers, widths[r]),
-                              regions[r].energy, error, trained[r].epochs, trained[r].restarts});
+                              training.sets[r].poses, regions[r].energy, error, trained[r].epochs,
+                              trained[r].restarts});
     squares += error * training.energies[r];
     energy += training.energies[r];
   }

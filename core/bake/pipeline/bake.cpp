@@ -317,7 +317,7 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& gi
   baked.coefficients = result.model.basis.columns;
   baked.parameters = result.model.network.parameter_count();
   for (const std::string& warning : result.warnings) warn(baked, warning, progress);
-  if (const auto note = overfitting_note(baked.stats, baked.poses)) {
+  if (const auto note = overfitting_note(baked.stats)) {
     progress.note(*note);
     baked.stats.notes.push_back(*note);
   }

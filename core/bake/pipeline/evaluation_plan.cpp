@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "bake/analysis/rig_analysis.h"
+#include "bake/face/region_poses.h"
 #include "bake/measure/control_errors.h"
 #include "bake/measure/repeatability.h"
 #include "bake/pipeline/sample_poses.h"
@@ -138,6 +139,8 @@ EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, b
   const std::uint64_t left = budgeted ? options.rig_budget - std::min(options.rig_budget, poses) : UINT64_MAX;
   const bool analysed = recipe_evaluates && pays_to_analyse(schema, budgeted ? left : 0);
   if (analysed) add(EvaluationPurpose::analysis, budgeted ? left : analysis_calls * schema.control_count(), left);
+  const std::uint64_t of_regions = analysed && !budgeted ? region_pose_count(poses) : 0;
+  add(EvaluationPurpose::regions, of_regions, of_regions);
   const std::uint64_t controls = control_error_calls(schema.control_count());
   const bool measured = !budgeted || (!analysed && left >= controls);
   const std::uint64_t measuring = repeated_poses + (measured ? controls : 0);

@@ -9,7 +9,7 @@ constexpr double most_ratio = 2, least_left = 0.05;
 
 }  // namespace
 
-std::optional<std::string> overfitting_note(const BakeStats& stats, std::size_t poses) {
+std::optional<std::string> overfitting_note(const BakeStats& stats) {
   double trained = 0, held_back = 0, energy = 0, most = 0;
   const RegionStats* worst = nullptr;
   for (const RegionStats& region : stats.regions) {
@@ -27,7 +27,7 @@ std::optional<std::string> overfitting_note(const BakeStats& stats, std::size_t 
       "overfitting: the networks leave %.3g %% of what they were trained on and %.3g %% of what was held back (of "
       "squared motion): more poses, or fewer inputs, would help, most of all region \"%s\", which has %zu inputs for "
       "%zu poses",
-      100 * trained / energy, 100 * held_back / energy, worst->name.c_str(), worst->inputs, poses);
+      100 * trained / energy, 100 * held_back / energy, worst->name.c_str(), worst->inputs, worst->poses);
 }
 
 }  // namespace fb::bake

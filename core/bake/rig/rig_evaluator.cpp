@@ -30,13 +30,9 @@ std::vector<float> gathered(std::span<const float> controls, std::size_t width, 
 }  // namespace
 
 const char* name_of(EvaluationPurpose purpose) {
-  constexpr std::array<const char*, purpose_count> names = {"single controls",
-                                                            "drawn poses",
-                                                            "poses like the examples",
-                                                            "poses where an ensemble disagrees",
-                                                            "clips and test poses",
-                                                            "analysis",
-                                                            "measuring"};
+  constexpr std::array<const char*, purpose_count> names = {
+      "single controls",      "drawn poses", "poses like the examples", "poses where an ensemble disagrees",
+      "clips and test poses", "analysis",    "poses of single regions", "measuring"};
   return names.at(static_cast<std::size_t>(purpose));
 }
 

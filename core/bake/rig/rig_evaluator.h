@@ -48,9 +48,10 @@ enum class EvaluationPurpose {
   ensemble,         // training poses where an ensemble disagrees
   clips,            // the rig's own clips and test poses, which count against no budget
   analysis,         // activation curves and correctives
+  regions,          // training poses of single regions
   measuring,        // the face control by control, and whether the rig repeats itself
 };
-inline constexpr std::size_t purpose_count = 7;
+inline constexpr std::size_t purpose_count = 8;
 const char* name_of(EvaluationPurpose purpose);
 
 // What was evaluated for a purpose.

@@ -1,0 +1,87 @@
+#include "bake/face/region_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "bake/linalg/gemm.h"
+#include "bake/sampling/pose_generators.h"
+#include "base/random_streams.h"
+
+namespace fb::bake {
+namespace {
+
+constexpr std::size_t most_poses = 50'000, most_times = 4;
+
+std::vector<float> draw_region_pose(const RigSchema& schema, const FaceRegion& region, Random random) {
+  constexpr float powers[] = {0.5f, 1.0f, 2.0f};  // of uniform numbers: mostly far from rest, evenly, mostly near it
+  constexpr float full = 0.15f;
+  std::vector<float> pose = schema.rest_pose();
+  const float most = *std::ranges::max_element(region.motion), density = random.uniform(0.1f, 1.0f);
+  const float power = powers[random.below(3)];
+  for (std::size_t k = 0; k < region.controls.size(); ++k) {
+    if (random.uniform() >= density * std::sqrt(region.motion[k] / most)) continue;
+    const Control& control = schema.controls[region.controls[k]];
+    const bool up = draw_end(control, random);
+    const float fraction = random.uniform() < full ? 1 : std::pow(random.uniform(), power);
+    pose[region.controls[k]] = value_toward(control, up, fraction);
+  }
+  return pose;
+}
+
+// The coefficients of a residual (3 x vertices) in a region's basis.
+void project(const FaceRegion& region, const LocalBasis& basis, std::span<const float> residual, float* coefficients) {
+  std::vector<float> weighted;
+  weighted.reserve(basis.rows);
+  for (std::size_t i = 0; i < region.vertices.size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      weighted.push_back(region.weights[i] * residual[3 * std::size_t(region.vertices[i]) + axis]);
+  gemm(Op::transposed, Op::plain, basis.count, 1, basis.rows, basis.components.data(), basis.rows, weighted.data(),
+       basis.rows, 0, coefficients, basis.count);
+}
+
+}  // namespace
+
+std::size_t region_pose_count(std::size_t poses) {
+  return std::min(most_times * poses, most_poses - std::min(poses, most_poses));
+}
+
+std::vector<std::size_t> region_pose_counts(std::size_t poses, std::span<const double> errors) {
+  double sum = 0;
+  for (const double error : errors) sum += std::sqrt(error);
+  std::vector<std::size_t> counts;
+  for (const double error : errors)
+    counts.push_back(sum > 0 ? static_cast<std::size_t>(double(poses) * std::sqrt(error) / sum) : 0);
+  return counts;
+}
+
+std::vector<RegionPoses> region_poses(RigEvaluator& rig, const BlockedBlendshapes& base,
+                                      std::span<const FaceRegion> regions, std::span<const LocalBasis> bases,
+                                      std::span<const std::size_t> counts, std::uint64_t seed, Progress& progress) {
+  const PurposeScope purpose(rig, EvaluationPurpose::regions);
+  const std::size_t width = rig.rest_pose().size();
+  EvaluationStage stage(progress, Phase::training, "evaluating poses of single regions",
+                        std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+  std::vector<RegionPoses> all(regions.size());
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    RegionPoses& poses = all[r];
+    for (std::uint64_t p = 0; p < counts[r]; ++p) {
+      const std::vector<float> pose = draw_region_pose(
+          rig.schema(), regions[r], open_stream(seed, Stream::region_poses, std::uint64_t(r) << 32 | p));
+      poses.controls.insert(poses.controls.end(), pose.begin(), pose.end());
+    }
+    poses.coefficients.resize(counts[r] * bases[r].count);
+    rig.evaluate_each(
+        counts[r], stage,
+        [&](std::size_t p, std::span<float> controls) {
+          std::copy_n(poses.controls.begin() + std::ptrdiff_t(p * width), width, controls.begin());
+        },
+        [&](std::size_t p, std::span<const float> controls, std::span<float> displacement) {
+          base.add(controls, rig.rest_pose(), 1, -1, displacement);
+          project(regions[r], bases[r], displacement, &poses.coefficients[p * bases[r].count]);
+        });
+  }
+  return all;
+}
+
+}  // namespace fb::bake
