@@ -220,25 +220,25 @@ void correct_frames(PackedFace& face, std::span<const ExactFrame> frames, std::u
 }
 
 // bake_face, of a face of ordinary size.
-Baked bake_ordinary(Source& as_given, const BakeOptions& given, Progress& progress) {
+Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress) {
   const Recipe& recipe = checked_recipe(given);
   BakeOptions options = given;
-  const ComposedRig composed = recipe.evaluates_rig ? compose_rig(as_given, options, progress) : ComposedRig();
-  Source& source = composed.source ? *composed.source : as_given;
-  if (options.rig_budget > 0) options.rig_budget -= composed.asked;
   const std::optional<std::uint64_t> checked = reuse(source, options, progress);
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
   evaluator.set_cache_limit({options.cache_bytes, options.rig_budget > 0});
   if (!checked) check_rig_unchanged(evaluator, options.seed, options.work, progress);
+  if (recipe.evaluates_rig) compose_rig(evaluator, options, progress);
+  BakeOptions sampling = options;  // from what composing leaves of the budget
+  if (sampling.rig_budget > 0) sampling.rig_budget -= evaluator.requested();
   if (!options.exact.empty()) make_folder(options.work);
   const std::vector<ExactFrame> exact = read_exact_frames(evaluator, options.exact, progress);
   if (!exact.empty()) options.complete = [&exact](PackedModel& face) { keep_exact(face, exact); };
   std::unique_ptr<Source> sampled;
   EvaluationPlan plan;
   if (source.live()) {
-    plan = plan_evaluations(evaluator, options, recipe.evaluates_rig, progress);
+    plan = plan_evaluations(evaluator, sampling, recipe.evaluates_rig, progress);
     progress.note(text_of(plan, options.rig_budget > 0));
-    sampled = sample_poses(evaluator, options, SampledSplits::training, recipe.evaluates_rig, progress);
+    sampled = sample_poses(evaluator, sampling, SampledSplits::training, recipe.evaluates_rig, progress);
   }
   Source& data = sampled ? *sampled : source;
   RigEvaluator* const rig = source.live() ? &evaluator : nullptr;
@@ -256,13 +256,12 @@ Baked bake_ordinary(Source& as_given, const BakeOptions& given, Progress& progre
   baked.archive = ask_during(progress, [&] {
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });
-  baked.rig_calls = checked.value_or(0) + composed.evaluated + evaluator.evaluated();
+  baked.rig_calls = checked.value_or(0) + evaluator.evaluated();
   if (const EvaluationCache* cache = evaluator.cache()) baked.reused = cache->reused_poses().size();
-  baked.asked = composed.asked + evaluator.requested();
+  baked.asked = evaluator.requested();
   baked.plan = std::move(plan);
   EvaluationCounts counts = evaluator.counts();
   counts[static_cast<std::size_t>(EvaluationPurpose::measuring)].evaluated += checked.value_or(0);
-  for (std::size_t p = 0; p < purpose_count; ++p) counts[p] += composed.counts[p];
   baked.asked_by_stage = calls_by_stage(counts);
   return baked;
 }

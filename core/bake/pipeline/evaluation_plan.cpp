@@ -131,6 +131,8 @@ EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, b
   const auto add = [&](EvaluationPurpose purpose, std::uint64_t expected, std::uint64_t most) {
     if (most > 0) plan.stages.push_back({purpose, expected, most});
   };
+  const std::uint64_t joints = rig.counts()[static_cast<std::size_t>(EvaluationPurpose::joints)].asked;
+  add(EvaluationPurpose::joints, joints, joints);
   const std::uint64_t alone_at_most = budgeted ? std::min(alone, first) : alone;
   add(EvaluationPurpose::single_controls, alone_at_most, budgeted ? alone_at_most : UINT64_MAX);
   add(EvaluationPurpose::drawn, drawn - near, drawn - near);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/rig/converted_backend.h"
 #include "bake/rig/driven_pose.h"
 #include "base/hash.h"
 
@@ -47,10 +46,9 @@ double rounding_of(const DrivenJoint& joint) {
 }  // namespace
 
 ComposedSource::ComposedSource(Source& source, std::vector<JointComposition> compositions)
-    : SourceDecorator(source), compositions_(std::move(compositions)), rest_(source.rest()) {
-  rest_.points.resize(rest_.first_joint_coordinate());
+    : ConvertedSource(source), compositions_(std::move(compositions)) {
+  remove_joint_vertices(rest_);
   std::size_t from = source.rest().first_joint_coordinate(), to = rest_.points.size();
-  rest_.carrier_vertices -= static_cast<std::uint32_t>((source.rest().points.size() - from) / 3);
   for (std::size_t j = 0; j < compositions_.size(); ++j) {
     DrivenJoint& joint = rest_.driven.joints[j];
     from_.push_back(from), to_.push_back(to);
@@ -117,7 +115,7 @@ void ComposedSource::compose_joint(std::size_t j, std::span<const float> control
       if (joint.outer_rotations[o] >> kind & 1) put(outer[o][kind], kind);
 }
 
-void ComposedSource::compose(std::span<const float> controls, std::span<const float> from, std::size_t poses,
+void ComposedSource::convert(std::span<const float> controls, std::span<const float> from, std::size_t poses,
                              std::span<float> to) const {
   const std::size_t width = schema().control_count(), all = source().rest().points.size(), here = rest_.points.size();
   for (std::size_t p = 0; p < poses; ++p) {
@@ -128,24 +126,6 @@ void ComposedSource::compose(std::span<const float> controls, std::span<const fl
     for (std::size_t j = 0; j < compositions_.size(); ++j)
       compose_joint(j, controls.subspan(p * width, width), pose + from_[j], composed + to_[j]);
   }
-}
-
-void ComposedSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  std::vector<float> whole(count * source().rest().points.size());
-  source().read(clip, first, count, whole);
-  compose(frames_of(clips().at(clip), first, count, schema().control_count()), whole, count, points);
-}
-
-void ComposedSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
-  std::vector<float> whole(count * source().rest().points.size());
-  source().evaluate(controls, count, whole);
-  compose(controls, whole, count, points);
-}
-
-std::unique_ptr<EvaluationBackend> ComposedSource::make_backend(const Parallel& parallel) {
-  const auto convert = [this](std::span<const float> controls, std::span<const float> from, std::size_t poses,
-                              std::span<float> to) { compose(controls, from, poses, to); };
-  return std::make_unique<ConvertedBackend>(source().make_backend(parallel), source().rest().points.size(), convert);
 }
 
 }  // namespace fb::bake

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "bake/rig/converted_source.h"
 #include "bake/rig/rotation_vector.h"
-#include "bake/rig/source_decorator.h"
 
 namespace fb::bake {
 
@@ -29,24 +29,19 @@ struct JointComposition {
 // controls add to outer rotations and pivots is given; what those leave of a joint's rotation and translation are its
 // other numbers. Where a joint turns by a product of what single controls do in an order, each number is then a sum
 // over controls, which the rotation vector of the product is not.
-class ComposedSource final : public SourceDecorator {
+class ComposedSource final : public ConvertedSource {
  public:
   // compositions: of each driven joint; they may be empty. `source` must outlive this.
   ComposedSource(Source& source, std::vector<JointComposition> compositions);
 
-  const Mesh& rest() const override { return rest_; }
-  void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
-  void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
   std::string version() const override;
-  std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override;
+  void convert(std::span<const float> controls, std::span<const float> from, std::size_t poses,
+               std::span<float> to) const override;
 
  private:
-  void compose(std::span<const float> controls, std::span<const float> from, std::size_t poses,
-               std::span<float> to) const;
   void compose_joint(std::size_t joint, std::span<const float> controls, const float* from, float* to) const;
 
   const std::vector<JointComposition> compositions_;
-  Mesh rest_;
   std::vector<std::size_t> from_, to_;  // by joint: its first number, in the source and here
 };
 

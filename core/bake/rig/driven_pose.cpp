@@ -154,6 +154,12 @@ void add_joint_vertices(Mesh& rest) {
   rest.points.resize(rest.points.size() + 3 * carriers);
 }
 
+void remove_joint_vertices(Mesh& rest) {
+  const std::size_t kept = rest.first_joint_coordinate();
+  rest.carrier_vertices -= static_cast<std::uint32_t>((rest.points.size() - kept) / 3);
+  rest.points.resize(kept);
+}
+
 void find_joint_numbers(const DrivenJoints& driven, std::span<const Frame<double>> frames, std::span<float> numbers) {
   std::vector<Frame<double>> motions;
   std::size_t at = 0;

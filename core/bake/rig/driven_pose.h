@@ -19,6 +19,9 @@ namespace fb::bake {
 // are not orthogonal, right-handed and of length 1.
 void add_joint_vertices(Mesh& rest);
 
+// Removes the vertices that carry numbers of driven joints.
+void remove_joint_vertices(Mesh& rest);
+
 // A frame with the origin of another and the orthogonal, right-handed axes of length 1 that are closest to its own, of
 // which the last is turned round where they are mirrored; nothing where they are flat.
 std::optional<Frame<double>> straightened(const Frame<double>& frame);

@@ -30,9 +30,15 @@ std::vector<float> gathered(std::span<const float> controls, std::size_t width, 
 }  // namespace
 
 const char* name_of(EvaluationPurpose purpose) {
-  constexpr std::array<const char*, purpose_count> names = {
-      "single controls",      "drawn poses", "poses like the examples", "poses where an ensemble disagrees",
-      "clips and test poses", "analysis",    "poses of single regions", "measuring"};
+  constexpr std::array<const char*, purpose_count> names = {"driven joints",
+                                                            "single controls",
+                                                            "drawn poses",
+                                                            "poses like the examples",
+                                                            "poses where an ensemble disagrees",
+                                                            "clips and test poses",
+                                                            "analysis",
+                                                            "poses of single regions",
+                                                            "measuring"};
   return names.at(static_cast<std::size_t>(purpose));
 }
 
@@ -60,6 +66,21 @@ RigEvaluator::RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> ba
   known_.insert(hash64_of<float>(rest_pose_));
   if (source.live() && !cache.empty()) cache_.emplace(cache, identity_of(source));
   if (cache_) known_.insert(cache_->reused_poses().begin(), cache_->reused_poses().end());
+}
+
+// Calls evaluate(points) for points as the rig gives them.
+template <class Evaluate>
+void RigEvaluator::give(std::span<const float> controls, std::size_t count, std::span<float> points,
+                        const Evaluate& evaluate) {
+  if (conversions_.empty()) return evaluate(points);
+  std::vector<float> from(count * rig_coordinate_count()), to;
+  evaluate(std::span(from));
+  for (const auto& conversion : conversions_) {
+    to.resize(count * conversion->rest().points.size());
+    conversion->convert(controls, from, count, to);
+    std::swap(from, to);
+  }
+  std::ranges::copy(from, points.begin());
 }
 
 void RigEvaluator::spend(std::span<const float> controls, std::size_t poses) {
@@ -124,7 +145,7 @@ void RigEvaluator::run_block(const EvaluationBlock& block) {
 void RigEvaluator::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
   if (source().recorded(clip)) {
     if (source().live()) frames_read_ += count;
-    source().read(clip, first, count, points);
+    given().read(clip, first, count, points);
     if (parallel_.progress) parallel_.progress->ask();
     return;
   }
@@ -150,16 +171,16 @@ void RigEvaluator::check_sizes(std::span<const float> controls, std::size_t coun
 void RigEvaluator::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
   check_sizes(controls, count, points);
   spend(controls, count);
-  run_backend(controls, count, points);
+  give(controls, count, points, [&](std::span<float> to) { run_backend(controls, count, to); });
 }
 
 void RigEvaluator::evaluate_apart(std::span<const float> controls, std::size_t count, std::span<float> points) {
   check_sizes(controls, count, points);
-  run_backend(controls, count, points);
+  give(controls, count, points, [&](std::span<float> to) { run_backend(controls, count, to); });
 }
 
 void RigEvaluator::run_backend(std::span<const float> controls, std::size_t count, std::span<float> points) {
-  const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  const std::size_t width = rest_pose_.size(), size = rig_coordinate_count();
   std::vector<char> answered;
   for (std::size_t first = 0; first < count;) {
     const std::size_t poses = std::min(block_poses(), count - first);
@@ -177,18 +198,19 @@ void RigEvaluator::run_backend(std::span<const float> controls, std::size_t coun
 void RigEvaluator::evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
   check_sizes(controls, count, points);
   spend(controls, count);
-  run_cached(controls, count, points, cache_limit_.keep_requested ? Keep::all : Keep::within_limit);
+  const Keep keep = cache_limit_.keep_requested ? Keep::all : Keep::within_limit;
+  give(controls, count, points, [&](std::span<float> to) { run_cached(controls, count, to, keep); });
   tell_limit();
 }
 
 void RigEvaluator::evaluate_apart_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
   check_sizes(controls, count, points);
-  run_cached(controls, count, points, Keep::within_limit);
+  give(controls, count, points, [&](std::span<float> to) { run_cached(controls, count, to, Keep::within_limit); });
 }
 
 void RigEvaluator::run_cached(std::span<const float> controls, std::size_t count, std::span<float> points, Keep keep) {
   if (!cache_) return run_backend(controls, count, points);
-  const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  const std::size_t width = rest_pose_.size(), size = rig_coordinate_count();
   const auto pose = [&](std::size_t i) { return controls.subspan(i * width, width); };
   const auto points_of = [&](std::size_t i) { return points.subspan(i * size, size); };
   std::vector<std::size_t> missing;
@@ -214,7 +236,7 @@ void RigEvaluator::run_cached(std::span<const float> controls, std::size_t count
 
 void RigEvaluator::evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing,
                                     std::span<float> points, Keep keep) {
-  const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  const std::size_t width = rest_pose_.size(), size = rig_coordinate_count();
   std::vector<float> some_controls, some_points;
   std::vector<char> answered;
   for (std::span<const std::size_t> left = missing; !left.empty();) {
@@ -285,7 +307,7 @@ bool RigEvaluator::pays_to_keep() {
 }
 
 void RigEvaluator::keep_answered(const EvaluationBlock& block, Keep keep) {
-  const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  const std::size_t width = rest_pose_.size(), size = rig_coordinate_count();
   for (std::size_t i = 0; i < block.count; ++i) {
     if (!block.answered[i]) continue;
     if (keep == Keep::within_limit && cache_->bytes_with_another() > cache_limit_.bytes) {

@@ -16,6 +16,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "bake/rig/converted_source.h"
 #include "bake/rig/evaluation_backend.h"
 #include "bake/rig/evaluation_cache.h"
 #include "bake/rig/source_decorator.h"
@@ -42,6 +43,7 @@ class EvaluationStage {
 
 // What poses are evaluated for: the stages of a bake as plans and reports tell them, in their order.
 enum class EvaluationPurpose {
+  joints,           // what controls do to driven joints
   single_controls,  // each control alone
   drawn,            // training poses that were drawn
   examples,         // training poses near the user's
@@ -51,7 +53,7 @@ enum class EvaluationPurpose {
   regions,          // training poses of single regions
   measuring,        // the face control by control, and whether the rig repeats itself
 };
-inline constexpr std::size_t purpose_count = 8;
+inline constexpr std::size_t purpose_count = 9;
 const char* name_of(EvaluationPurpose purpose);
 
 // What was evaluated for a purpose.
@@ -94,6 +96,15 @@ class RigEvaluator final : public SourceDecorator {
   RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> backend, const Parallel& parallel = {},
                const std::filesystem::path& cache = {});
 
+  // From here on gives poses as a ConvertedSource made of what gives them so far, and of `arguments`, does. What is
+  // kept of them stays as the rig gives it, so that what was evaluated before is not evaluated again.
+  template <class Converted, class... Arguments>
+  void convert(Arguments&&... arguments) {
+    conversions_.push_back(std::make_unique<Converted>(given(), std::forward<Arguments>(arguments)...));
+  }
+
+  const Mesh& rest() const override { return given().rest(); }
+  std::string version() const override { return given().version(); }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
   // Evaluates by this one, so that its poses are counted.
   std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override {
@@ -110,7 +121,8 @@ class RigEvaluator final : public SourceDecorator {
   void set_cache_limit(const CacheLimit& limit) { cache_limit_ = limit; }
   // The bytes that the cache takes of each further pose, as long as its limit allows; 0 if none is kept.
   std::uint64_t kept_pose_bytes();
-  // What is kept in the file; null where there is none. Whoever reads it evaluates nothing meanwhile.
+  // What is kept in the file, as the rig gives it; null where there is none. Whoever reads it evaluates nothing
+  // meanwhile.
   EvaluationCache* cache() { return cache_ ? &*cache_ : nullptr; }
 
   // Counts poses as requested that were evaluated before this object was made, such as those of a dataset. Fails as
@@ -159,6 +171,10 @@ class RigEvaluator final : public SourceDecorator {
   friend class EvaluationBudget;
 
   EvaluationCount since_purpose() const;
+  Source& given() const { return conversions_.empty() ? source() : *conversions_.back(); }
+  std::size_t rig_coordinate_count() const { return source().rest().points.size(); }
+  template <class Evaluate>
+  void give(std::span<const float> controls, std::size_t count, std::span<float> points, const Evaluate& evaluate);
   void check_sizes(std::span<const float> controls, std::size_t count, std::span<const float> points) const;
   void spend(std::span<const float> controls, std::size_t poses);
   void run_backend(std::span<const float> controls, std::size_t count, std::span<float> points);
@@ -176,6 +192,7 @@ class RigEvaluator final : public SourceDecorator {
 
   const Parallel parallel_;
   const std::unique_ptr<EvaluationBackend> backend_;
+  std::vector<std::unique_ptr<ConvertedSource>> conversions_;  // the last is what this gives; none: the source
   std::mutex caching_;  // of the cache, and of how long missing poses take
   std::optional<EvaluationCache> cache_;
   CacheLimit cache_limit_;

@@ -197,6 +197,23 @@ TEST_CASE("compositions do not depend on threads") {
   CHECK(ComposedSource(rig, compose(rig, 1)).version() == ComposedSource(rig, compose(rig, 4)).version());
 }
 
+TEST_CASE("what was evaluated before a rig is composed is not asked again") {
+  MemorySource source = make_rig();
+  RigEvaluator rig(source);
+  std::vector<JointComposition> compositions = compose_joints(rig, 1e-4, silent_progress());
+  const std::uint64_t asked = rig.requested();
+  rig.convert<ComposedSource>(compositions);
+  ComposedSource composed(source, std::move(compositions));
+  CHECK(rig.rest().driven == composed.rest().driven);
+  CHECK(rig.version() == composed.version());
+  std::vector<float> end(controls), points(rig.coordinate_count()), expected(points.size());
+  end[7] = 1;
+  rig.evaluate_cached(end, 1, points);
+  composed.evaluate(end, 1, expected);
+  CHECK(points == expected);
+  CHECK(rig.requested() == asked);
+}
+
 TEST_CASE("joints that turn by sums are left as they are") {
   MemorySource rig(
       4, side,
