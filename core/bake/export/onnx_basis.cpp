@@ -67,15 +67,22 @@ std::string add_basis(OnnxGraph& graph, const PackedModel& model, const std::str
   return graph.node("Concat", "rows", parts, {{"axis", {1}}});
 }
 
-std::string add_corrections(OnnxGraph& graph, const PackedModel& model, const std::string& weights,
-                            std::uint64_t& parameters) {
-  std::vector<float> corrections;
-  for (const ExactPose& pose : model.exact)
-    for (const std::int32_t value : pose.values) corrections.push_back(pose.step * static_cast<float>(value));
-  parameters += corrections.size();
-  const auto count = static_cast<std::int64_t>(model.exact.size()),
-             rows = static_cast<std::int64_t>(model.rest.points.size());
-  return graph.node("MatMul", "exact/rows", {weights, graph.floats("exact/corrections", corrections, {count, rows})});
+std::string add_corrections(OnnxGraph& graph, const PackedModel& model, const std::string& points,
+                            const std::string& weights, std::uint64_t& parameters) {
+  const std::string label = "exact/corrections";
+  std::string corrected = points;
+  std::vector<float> corrections(model.rest.points.size());
+  for (std::uint32_t e = 0; e < model.exact.size(); ++e) {
+    const ExactPose& pose = model.exact[e];
+    for (std::uint32_t row = 0; row < corrections.size(); ++row)
+      corrections[model.coordinate(row)] = pose.step * static_cast<float>(pose.values[row]);
+    parameters += corrections.size();
+    const std::uint32_t column[] = {e};
+    const std::string weight = graph.node("Gather", label, {weights, graph.indices(label, column)}, {{"axis", {1}}});
+    const std::string correction = graph.floats(label, corrections, {1, static_cast<std::int64_t>(corrections.size())});
+    corrected = graph.node("Add", label, {corrected, graph.node("Mul", label, {weight, correction})});
+  }
+  return corrected;
 }
 
 }  // namespace fb::bake

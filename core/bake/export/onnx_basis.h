@@ -13,8 +13,9 @@ namespace fb::bake {
 std::string add_basis(OnnxGraph& graph, const PackedModel& model, const std::string& coefficients,
                       std::uint64_t& parameters);
 
-// Displacements [n, rows] by the corrections of exact poses, of their weights [n, exact poses].
-std::string add_corrections(OnnxGraph& graph, const PackedModel& model, const std::string& weights,
-                            std::uint64_t& parameters);
+// The points [n, coordinates] with the corrections of exact poses, one after the other, by their weights [n, exact
+// poses].
+std::string add_corrections(OnnxGraph& graph, const PackedModel& model, const std::string& points,
+                            const std::string& weights, std::uint64_t& parameters);
 
 }  // namespace fb::bake

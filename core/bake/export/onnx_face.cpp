@@ -116,8 +116,7 @@ class FeatureGraph {
 // How far the gate of a region is open, a column.
 std::string add_gate(OnnxGraph& graph, const std::string& label, const Gate& gate, FeatureGraph& features) {
   const std::string sizes = graph.node("Abs", label, {features.gather(label, gate.features)});
-  const std::int64_t columns[] = {1};
-  const std::string sum = graph.node("ReduceSum", label, {sizes, graph.integers(label, columns)}),
+  const std::string sum = graph.sum_in_order(label, sizes, 1, gate.features.size()),
                     largest = graph.node("ReduceMax", label, {sizes}, {{"axes", {1}, true}});
   const std::string slope = graph.number(label, gate.slope);
   const std::string value = graph.node("Mul", label, {graph.node("Sub", label, {sum, largest}), slope});
@@ -145,17 +144,17 @@ std::string exact_weights(OnnxGraph& graph, const PackedModel& model, const std:
     falloffs.push_back(pose.falloff);
   }
   std::string places = graph.node("Div", "places", {graph.node("Sub", "places", {clamped, low}), length});
-  const std::int64_t second[] = {1}, third[] = {2};
+  const std::int64_t second[] = {1}, row[] = {0, count};
   places = graph.node("Unsqueeze", "places", {places, graph.integers("axes", second)});
   const std::string apart =
       graph.node("Sub", "apart", {places, graph.floats("exact/places", exact_places, {1, count, width})});
-  const std::string distance =
-      graph.node("ReduceSum", "distance", {graph.node("Mul", "square", {apart, apart}), graph.integers("axes", third)},
-                 {{"keepdims", {0}}});
+  const std::string squares =
+      graph.sum_in_order("distance", graph.node("Mul", "square", {apart, apart}), 2, model.schema.control_count());
+  const std::string distance = graph.node("Reshape", "distance", {squares, graph.integers("shape", row)});
   const std::string far = graph.node("Mul", "far", {distance, graph.floats("falloff", falloffs, {1, count})});
   const std::string near = graph.node("Relu", "near", {graph.node("Sub", "near", {graph.number("one", 1), far})});
   const std::string weights = graph.node("Mul", "exact/weights", {near, near});
-  const std::string sum = graph.node("ReduceSum", "exact/sum", {weights, graph.integers("axes", second)});
+  const std::string sum = graph.sum_in_order("exact/sum", weights, 1, model.exact.size());
   return graph.node("Div", "exact/weights", {weights, graph.node("Max", "exact/sum", {sum, graph.number("one", 1)})});
 }
 
@@ -175,15 +174,15 @@ std::string all_positions(OnnxGraph& graph, const PackedModel& model, OnnxFace& 
   }
   std::string rows =
       add_basis(graph, model, graph.node("Concat", "coefficients", coefficients, {along_columns}), size.parameters);
-  if (!model.exact.empty())
-    rows = graph.node("Add", "exact",
-                      {rows, add_corrections(graph, model, exact_weights(graph, model, clamped), size.parameters)});
   std::vector<std::uint32_t> row_of(model.rest.points.size());
   for (std::uint32_t row = 0; row < row_of.size(); ++row) row_of[model.coordinate(row)] = row;
   if (!std::ranges::is_sorted(row_of))
     rows = graph.node("Gather", "displacements", {rows, graph.indices("rows", row_of)}, {along_columns});
   const auto count = static_cast<std::int64_t>(row_of.size());
-  return graph.node("Add", "points", {rows, graph.floats("rest/points", model.rest.points, {1, count})});
+  const std::string points =
+      graph.node("Add", "points", {rows, graph.floats("rest/points", model.rest.points, {1, count})});
+  if (model.exact.empty()) return points;
+  return add_corrections(graph, model, points, exact_weights(graph, model, clamped), size.parameters);
 }
 
 void add_channels(OnnxGraph& graph, const PackedModel& model, const std::string& all) {

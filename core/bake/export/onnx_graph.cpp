@@ -98,6 +98,15 @@ std::string OnnxGraph::polynomial(const std::string& label, const std::string& x
   return value;
 }
 
+std::string OnnxGraph::sum_in_order(const std::string& label, const std::string& numbers, std::int64_t axis,
+                                    std::size_t count) {
+  const std::string along = fresh(label);
+  graph_.message(5, onnx_tensor<std::int64_t>(along, {&axis, 1}, {}, int64));
+  const std::string sums = node("CumSum", label, {numbers, along});
+  const auto last = static_cast<std::int64_t>(count) - 1;
+  return node("Gather", label, {sums, integers(label, {&last, 1})}, {{"axis", {axis}}});
+}
+
 void OnnxGraph::input(const std::string& name, const std::vector<std::int64_t>& shape) {
   graph_.message(11, onnx_value(name, shape));
 }

@@ -33,6 +33,10 @@ class OnnxGraph {
   // The value of a polynomial of each x, by Horner's rule, from the highest power down.
   std::string polynomial(const std::string& label, const std::string& x, std::span<const float> coefficients);
 
+  // The sums along an axis of so many numbers, which is kept, of length 1: from the first number to the last, as
+  // ReduceSum need not add them.
+  std::string sum_in_order(const std::string& label, const std::string& numbers, std::int64_t axis, std::size_t count);
+
   // An input or output of the whole: float32, a dimension of a batch, which is named "n", and then `shape`.
   void input(const std::string& name, const std::vector<std::int64_t>& shape);
   // The tensor gets `name`.

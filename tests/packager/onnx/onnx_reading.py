@@ -134,11 +134,6 @@ class Model:
         return {name: values[name] for name in self.outputs}
 
 
-def reduce_axes(x, attributes):
-    axes = tuple(int(a) for a in (x[1] if len(x) > 1 else attributes["axes"]))
-    return {"axis": axes, "keepdims": bool(attributes.get("keepdims", 1))}
-
-
 def slice_(x, _):
     index = [slice(None)] * x[0].ndim
     for begin, end, axis in zip(*x[1:]):
@@ -151,6 +146,7 @@ OPERATORS = {
     "Add": lambda x, a: x[0] + x[1],
     "Clip": lambda x, a: np.minimum(np.maximum(x[0], x[1]), x[2]),
     "Concat": lambda x, a: np.concatenate(x, axis=a["axis"]),
+    "CumSum": lambda x, a: np.cumsum(x[0], axis=int(x[1])),
     "Div": lambda x, a: x[0] / x[1],
     "Floor": lambda x, a: np.floor(x[0]),
     "Gather": lambda x, a: np.take(x[0], x[1], axis=a.get("axis", 0)),
@@ -160,8 +156,7 @@ OPERATORS = {
     "Min": lambda x, a: np.minimum(x[0], x[1]),
     "Mul": lambda x, a: x[0] * x[1],
     "Neg": lambda x, a: -x[0],
-    "ReduceMax": lambda x, a: x[0].max(**reduce_axes(x, a)),
-    "ReduceSum": lambda x, a: x[0].sum(**reduce_axes(x, a)),
+    "ReduceMax": lambda x, a: x[0].max(axis=tuple(a["axes"]), keepdims=True),
     "Relu": lambda x, a: np.maximum(x[0], np.float32(0)),
     "Reshape": lambda x, a: x[0].reshape([x[0].shape[i] if n == 0 else n for i, n in enumerate(x[1])]),
     "Round": lambda x, a: np.rint(x[0]),

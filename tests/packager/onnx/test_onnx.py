@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """test_onnx.py FACEBAKER FACE.fbk...: the ONNX model that is exported of a face, evaluated by NumPy, gives the positions
-of the evaluator within 1e-5 of the diagonal, at rest, at the ends of all ranges, beyond them, and in between, and the
-frames of driven joints that the independent reader of tests/conformance finds."""
+of the evaluator to the last bit, at rest, at the ends of all ranges, beyond them, and in between, and the frames of
+driven joints that the independent reader of tests/conformance finds."""
 import json
 import pathlib
 import subprocess
@@ -14,8 +14,6 @@ sys.path.append(str(pathlib.Path(__file__).parents[2] / "conformance"))
 import fbk_evaluate
 from fbk_read import Face
 from onnx_reading import Model, read_mdd
-
-TOLERANCE = 1e-5  # over the diagonal
 
 
 def tool(*arguments):
@@ -48,7 +46,7 @@ def write_poses(face, onnx, folder):
     return model, poses, read_mdd(folder / "poses.mdd")
 
 
-def check_joints(face, model, poses, diagonal):
+def check_joints(face, model, poses):
     """Gives whether there are driven joints."""
     archived = Face(face.read_bytes())
     names = [joint.name for joint in archived.driven]
@@ -61,11 +59,10 @@ def check_joints(face, model, poses, diagonal):
         expected = np.array([fbk_evaluate.evaluate(archived, pose)[2] for pose in poses])
     found = model.run(poses)["joints"]
     assert found.shape == (len(poses), len(names), 3, 4)
-    off = np.abs(found - expected.reshape(found.shape)).max(axis=(0, 1, 2))
+    off = np.abs(found - expected.reshape(found.shape)).max()
     moved = np.abs(found - found[0]).max()
-    print(f"{face.name}: {len(names)} joints, axes off by at most {off[:3].max():.1e}, origins by {off[3] / diagonal:.1e} "
-          "of the diagonal")
-    assert off[:3].max() <= TOLERANCE and off[3] <= TOLERANCE * diagonal, f"{face.name}: joints are off by {off}"
+    print(f"{face.name}: {len(names)} joints, off by at most {off:.1e}")
+    assert off == 0, f"{face.name}: joints are off by {off}"
     assert moved > 1e-3, f"{face.name}: no joint moves"
     return True
 
@@ -80,14 +77,13 @@ def check(face, folder):
     assert found.dtype == np.float32 and found.shape == expected.shape
     rest = expected[0]
     diagonal = float(np.linalg.norm(rest.max(0) - rest.min(0)))
-    assert np.array_equal(found[0], rest) or np.abs(found[0] - rest).max() < 1e-6 * diagonal, "not at rest"
     moves = bool(np.abs(expected - rest).max() > 1e-3 * diagonal)
     off = float(np.linalg.norm(found - expected, axis=2).max()) / diagonal
     wild = model.run(np.where(poses > 0, poses + 1e6, poses - 1e6))["positions"]  # clamped to the ends
     assert np.abs(wild).max() <= np.abs(found).max() + 10 * diagonal, "controls are not clamped"
     print(f"{face.name}: {len(poses)} poses, off by at most {off:.1e} of the diagonal, {len(model.nodes)} nodes")
-    assert off <= TOLERANCE, f"{face.name}: {off} of the diagonal"
-    return moves, check_joints(face, model, poses[::7], diagonal)
+    assert off == 0, f"{face.name}: {off} of the diagonal"
+    return moves, check_joints(face, model, poses[::7])
 
 
 def main(faces):
