@@ -26,9 +26,10 @@ mkdir -p "$work/xxhash"
 for header in /usr/include/xxhash.h /usr/include/xxh3.h; do
   [ ! -e "$header" ] || cp "$header" "$work/xxhash"
 done
-dumps="" archives=$*
+dumps="" archives=$* number=0
 for archive in "$@"; do
-  dump=$work/$(basename "$archive").dump
+  number=$((number + 1))
+  dump=$work/$number-$(basename "$archive").dump # those of several folders may have one name
   "$build/bin/dump_model" "$archive" "$poses" "$dump"
   dumps="$dumps $dump"
 done

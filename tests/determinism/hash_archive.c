@@ -2,6 +2,7 @@
  * hash_poses give for the same archive and number of poses, which must be the same on every machine. Fails if HASH is
  * another one, or if a batch gives other bits than pose by pose. */
 #include <facebaker/facebaker.h>
+#include <facebaker/facebaker_character.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@ typedef struct face {
   fb_model* model;
   fb_scratch* scratch;
   size_t controls, numbers, coefficients;
+  size_t sockets, channels, joints, beside; /* floats of a pose; beside: their sum */
   int has_tangents;
 } face;
 
@@ -47,11 +49,25 @@ static void add(uint64_t* hash, const float* numbers, size_t count) {
   }
 }
 
-/* Hashes positions, normals, tangents and coefficients, pose after pose, evaluated `together` at a time. */
+/* Asks for what poses have beside vertices, at `to`: frames of sockets, channels, frames of driven joints. */
+static void ask_beside(const face* f, fb_batch_desc* batch, float* to) {
+  const size_t floats = batch->poses * f->beside, to_joints = f->sockets + f->channels;
+  batch->socket_pose_stride = batch->channel_pose_stride = batch->joint_pose_stride = f->beside;
+  batch->sockets = f->sockets ? to : NULL;
+  batch->socket_floats = floats;
+  batch->channels = f->channels ? to + f->sockets : NULL;
+  batch->channel_floats = floats - f->sockets;
+  batch->joints = f->joints ? to + to_joints : NULL;
+  batch->joint_floats = floats - to_joints;
+}
+
+/* Hashes positions, normals, tangents, what is beside vertices, and coefficients, pose after pose, evaluated `together`
+ * at a time. */
 static int hash_poses(const face* f, const float* controls, size_t poses, size_t together, float* memory,
                       uint64_t* hash) {
   float *const positions = memory, *const normals = positions + together * f->numbers,
-               *const tangents = normals + together * f->numbers, *const weights = tangents + together * f->numbers;
+               *const tangents = normals + together * f->numbers, *const beside = tangents + together * f->numbers,
+               *const weights = beside + together * f->beside;
   *hash = 0xcbf29ce484222325u;
   for (size_t first = 0; first < poses; first += together) {
     const size_t count = poses - first < together ? poses - first : together;
@@ -67,6 +83,7 @@ static int hash_poses(const face* f, const float* controls, size_t poses, size_t
       batch.tangents = tangents;
       batch.tangent_numbers = count * f->numbers;
     }
+    ask_beside(f, &batch, beside);
     if (fb_evaluate_batch(f->model, f->scratch, &batch) != FB_OK) return 0;
     for (size_t pose = 0; pose < count; ++pose) {
       if (fb_evaluate_coefficients(f->model, f->scratch, batch.controls + pose * f->controls, weights) != FB_OK)
@@ -74,6 +91,7 @@ static int hash_poses(const face* f, const float* controls, size_t poses, size_t
       add(hash, positions + pose * f->numbers, f->numbers);
       add(hash, normals + pose * f->numbers, f->numbers);
       if (f->has_tangents) add(hash, tangents + pose * f->numbers, f->numbers);
+      add(hash, beside + pose * f->beside, f->beside);
       add(hash, weights, f->coefficients);
     }
   }
@@ -81,7 +99,7 @@ static int hash_poses(const face* f, const float* controls, size_t poses, size_t
 }
 
 static int run(const char* path, size_t poses, const char* expected) {
-  face f = {NULL, NULL, 0, 0, 0, 0};
+  face f = {0};
   uint64_t one = 0, batched = 1;
   float *controls = NULL, *memory = NULL;
   int done = 0;
@@ -90,8 +108,12 @@ static int run(const char* path, size_t poses, const char* expected) {
     f.numbers = 3 * (size_t)fb_vertex_count(f.model);
     f.coefficients = fb_coefficient_count(f.model);
     f.has_tangents = fb_tangent_signs(f.model) != NULL;
+    f.sockets = 12 * (size_t)fb_socket_count(f.model);
+    f.channels = fb_channel_count(f.model);
+    f.joints = 12 * (size_t)fb_driven_joint_count(f.model);
+    f.beside = f.sockets + f.channels + f.joints;
     controls = malloc((poses * f.controls + 1) * sizeof *controls);
-    memory = malloc((poses * 3 * f.numbers + f.coefficients + 1) * sizeof *memory);
+    memory = malloc((poses * (3 * f.numbers + f.beside) + f.coefficients + 1) * sizeof *memory);
     done = controls && memory && draw(f.model, poses, controls) && hash_poses(&f, controls, poses, 1, memory, &one) &&
            hash_poses(&f, controls, poses, poses, memory, &batched);
   }

@@ -1,10 +1,12 @@
-// hash_poses DUMP[=HASH]...: a hash of each dump's positions, normals, coefficients and, with texture coordinates,
-// tangents, which must be the same on every machine, with every compiler and at every level of optimisation. Fails if
-// instruction sets, batches, strides, thread counts or rounding modes give different hashes, or one other than HASH.
+// hash_poses DUMP[=HASH]...: a hash of each dump's positions, normals, coefficients and, where it has them, tangents,
+// frames of sockets, channels and frames of driven joints, which must be the same on every machine, with every compiler
+// and at every level of optimisation. Fails if instruction sets, batches, strides, thread counts or rounding modes give
+// different hashes, or one other than HASH.
 #include <cfenv>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "model_dump.h"
 #include "runtime/evaluator.h"
@@ -16,13 +18,36 @@ using namespace fb::runtime;
 
 struct Hash {  // FNV-1a
   std::uint64_t value = 0xcbf29ce484222325;
-  void add(const std::vector<float>& numbers) {
+  void add(std::span<const float> numbers) {
     for (const float number : numbers) {
       std::uint32_t bits;
       std::memcpy(&bits, &number, sizeof bits);
       for (int byte = 0; byte < 4; ++byte) value = (value ^ (bits >> 8 * byte & 255)) * 0x100000001b3;
     }
   }
+};
+
+// What the poses of a batch have beside vertices: frames of sockets, channels, frames of driven joints.
+class BesideVertices {
+ public:
+  BesideVertices(const Evaluator& face, Batch& batch) {
+    const std::pair<PoseFloats Batch::*, std::size_t> parts[] = {
+        {&Batch::sockets, SocketFrames::frame_floats * face.socket_count()},
+        {&Batch::channels, face.channel_count()},
+        {&Batch::joints, DrivenSkin::frame_floats * face.joint_count()}};
+    for (const auto& part : parts) count_ += part.second;
+    floats_.resize(batch.poses * count_);
+    std::size_t at = 0;
+    for (const auto& [output, count] : parts) {
+      if (count > 0) batch.*output = {floats_.data() + at, floats_.size() - at, count_};
+      at += count;
+    }
+  }
+  std::span<const float> of(std::size_t pose) const { return std::span(floats_).subspan(pose * count_, count_); }
+
+ private:
+  std::size_t count_ = 0;  // of a pose
+  std::vector<float> floats_;
 };
 
 std::uint64_t pose_by_pose(const Evaluator& face, const std::vector<float>& controls) {
@@ -38,11 +63,13 @@ std::uint64_t pose_by_pose(const Evaluator& face, const std::vector<float>& cont
     batch.positions = {positions.data(), positions.size()};
     batch.normals = {normals.data(), normals.size()};
     if (!tangents.empty()) batch.tangents = {tangents.data(), tangents.size()};
+    const BesideVertices beside(face, batch);
     face.evaluate_batch(batch, one, {1});
     face.coefficients(controls.data() + at, weights.data(), one[0]);
     hash.add(positions);
     hash.add(normals);
     hash.add(tangents);
+    hash.add(beside.of(0));
     hash.add(weights);
   }
   return hash.value;
@@ -61,6 +88,7 @@ std::uint64_t in_a_batch(const Evaluator& face, const std::vector<float>& contro
   batch.positions = {positions.data(), positions.size(), 0, stride};
   batch.normals = {normals.data(), normals.size(), 0, stride};
   if (!tangents.empty()) batch.tangents = {tangents.data(), tangents.size(), 0, stride};
+  const BesideVertices beside(face, batch);
   face.evaluate_batch(batch, some, {threads});
   std::vector<float> weights(face.coefficient_count()), position, normal, tangent;
   Hash hash;
@@ -77,6 +105,7 @@ std::uint64_t in_a_batch(const Evaluator& face, const std::vector<float>& contro
     hash.add(position);
     hash.add(normal);
     hash.add(tangent);
+    hash.add(beside.of(pose));
     hash.add(weights);
   }
   return hash.value;

@@ -1,5 +1,5 @@
-// A packed model and poses as raw bytes of this machine, so that programs that evaluate them need none of the archive's
-// libraries.
+// What evaluation needs of a packed model, levels of detail excepted, and poses as raw bytes of this machine, so that
+// programs that evaluate them need none of the archive's libraries.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,11 @@ class Dump {
 
   void all(PackedModel& m, std::vector<float>& controls) {
     list(m.schema.controls, [this](Control& c) { each(c.name, c.minimum, c.maximum, c.rest, c.group); });
-    each(m.rest.points, m.rest.polygon_sizes, m.rest.polygon_corners, m.rest.uvs, m.rest.uv_corners);
+    list(m.schema.channels, [this](Channel& c) { each(c.name, c.minimum, c.maximum, c.rest, c.scale); });
+    each(m.rest.points, m.rest.polygon_sizes, m.rest.polygon_corners, m.rest.uvs, m.rest.uv_corners,
+         m.rest.carrier_vertices);
+    list(m.rest.parts, [this](MeshPart& p) { each(p.name, p.vertices, p.polygons, p.materials); });
+    driven(m.rest.driven);
     list(m.features, [this](Feature& f) { each(f.kind, f.control, f.scale, f.threshold, f.fall, f.first, f.second); });
     item(m.direct);
     list(m.regions, [this](PackedRegion& r) {
@@ -39,10 +43,16 @@ class Dump {
       each(g.first_row, g.row_count, g.values);
       list(g.columns, [this](PackedColumn& c) { each(c.column, c.wide, c.scale); });
     });
+    list(m.exact, [this](ExactPose& p) { each(p.name, p.controls, p.falloff, p.step, p.values); });
+    list(m.character.sockets, [this](Socket& s) { each(s.name, s.vertices, s.weights, s.frame); });
     item(controls);
   }
 
  private:
+  void driven(DrivenJoints& d) {
+    list(d.joints, [this](DrivenJoint& j) { each(j.name, j.parent, j.numbers, j.rest, j.outer_rotations); });
+    each(d.scales, d.skin.influences, d.skin.joints, d.skin.weights);
+  }
   void bytes(void* at, std::size_t count) {
     if (count == 0) return;  // `at` may be null then
     const std::size_t done = reads_ ? std::fread(at, 1, count, file_) : std::fwrite(at, 1, count, file_);
