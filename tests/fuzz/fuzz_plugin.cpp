@@ -40,6 +40,10 @@ struct ForgedRig {
   std::vector<std::uint32_t> sizes, corners;
   std::vector<std::vector<float>> clip_controls;
   std::vector<fb_rig_clip> clips;
+  std::vector<fb_joint> joints;
+  std::vector<std::uint16_t> skin_joints;
+  std::vector<float> skin_weights, frames;  // frames: of joints, in every pose
+  std::vector<std::uint32_t> joint_numbers;
   fb_status status = 0;
   std::uint8_t terminated = 1;
 
@@ -59,6 +63,14 @@ struct ForgedRig {
     if (message_size > 0) std::memset(message, 'x', message_size);
     if (message_size > 0 && self.terminated) message[message_size - 1] = 0;
     return self.status;
+  }
+
+  static fb_status evaluate_skinned(void* user, uint64_t poses, const float* controls, float* positions, float*,
+                                    float* joints, char* message, uint32_t message_size) {
+    const auto& self = *static_cast<const ForgedRig*>(user);
+    for (uint64_t pose = 0; pose < poses; ++pose)
+      std::copy(self.frames.begin(), self.frames.end(), joints + pose * self.frames.size());
+    return evaluate(user, poses, controls, positions, message, message_size);
   }
 
   void read_header(Input& in) {
@@ -115,6 +127,33 @@ struct ForgedRig {
     rig.clip_count = static_cast<std::uint32_t>(clips.size());
     rig.clips = clips.data();
   }
+
+  // None where the input has ended.
+  void read_joints(Input& in) {
+    const auto read_frame = [&](float* to) {  // the identity, and what the input adds to it
+      for (std::size_t i = 0; i < FB_FRAME_FLOATS; ++i) to[i] = in.number<float>() + (i % 5 == 0 ? 1.0f : 0.0f);
+    };
+    for (std::uint32_t j = in.below(4); j > 0; --j) {
+      fb_joint& joint = joints.emplace_back(fb_joint{sizeof(fb_joint), in.below(4), text(in), {}, {}});
+      if (joint.parent == 3) joint.parent = FB_NO_JOINT;
+      read_frame(joint.rest);
+      if (in.below(2) > 0) read_frame(joint.inverse_bind);
+      frames.resize(frames.size() + FB_FRAME_FLOATS);
+      read_frame(&frames[frames.size() - FB_FRAME_FLOATS]);
+    }
+    rig.skin_influences = in.below(4);
+    for (std::size_t i = 0; i < rig.vertex_count * rig.skin_influences; ++i) {
+      skin_joints.push_back(static_cast<std::uint16_t>(in.below(4)));
+      skin_weights.push_back(static_cast<float>(in.number<std::uint8_t>()) / 128);
+    }
+    for (std::size_t j = in.below(2) * joints.size(); j > 0; --j) joint_numbers.push_back(in.number<std::uint16_t>());
+    rig.joint_stride = sizeof(fb_joint);
+    rig.joint_count = static_cast<std::uint32_t>(joints.size());
+    rig.joints = joints.data();
+    rig.skin_joints = skin_joints.data();
+    rig.skin_weights = skin_weights.data();
+    rig.joint_numbers = joint_numbers.empty() ? nullptr : joint_numbers.data();
+  }
 };
 
 }  // namespace
@@ -126,8 +165,10 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   forged.read_controls(in);
   forged.read_mesh(in);
   forged.read_clips(in);
+  forged.read_joints(in);
   forged.rig.user = &forged;
   forged.rig.evaluate = forged.oddities & 128 ? nullptr : &ForgedRig::evaluate;
+  forged.rig.evaluate_skinned = forged.oddities & 128 ? nullptr : &ForgedRig::evaluate_skinned;
   try {
     fb::bake::RigSource source(forged.rig);
     std::vector<float> pose(source.schema().control_count()), points(source.rest().points.size());
