@@ -5,12 +5,17 @@ Breaks the independent reader in one rule after the other. A broken reader must 
 accept a rejected one. Prints the rules that no archive pins; fails if there are any.
 """
 import concurrent.futures
+import contextlib
+import importlib
+import io
 import os
 import pathlib
 import shutil
 import subprocess
 import sys
 import tempfile
+
+JUDGE = "--judge"  # READER FOLDER...: exits with 0 if the reader agrees
 
 # File, text that occurs once, and what replaces it: a reader that gets one rule wrong.
 MUTATIONS = [
@@ -126,17 +131,27 @@ MUTATIONS = [
 ]
 
 
-def is_caught(reader, folders):
-    """Whether the reader in a folder disagrees with the golden archives."""
-    def accepts(files):
-        done = subprocess.run([sys.executable, "-B", str(reader), *map(str, files)], capture_output=True, timeout=120)
-        return done.returncode == 0
+def accepts(reader, file):
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        try:
+            return reader.main([str(file)]) == 0
+        except Exception:
+            return False
 
+
+def agrees(folders):
+    """Whether the reader that is imported takes the golden archives as FOLDER/accepted and FOLDER/rejected say."""
+    reader = importlib.import_module("fbk_read")
+    files = [(file, kind) for kind in ("accepted", "rejected") for folder in folders
+             for file in sorted((folder / kind).glob("*.fbk"))]
+    return all(accepts(reader, file) == (kind == "accepted") for file, kind in files)
+
+
+def is_caught(reader, folders):
+    """Whether the reader in a folder disagrees with the golden archives, or does not end: in a process of its own."""
+    command = [sys.executable, "-B", __file__, JUDGE, reader, *folders]
     try:
-        for folder in folders:
-            if not accepts(sorted((folder / "accepted").glob("*.fbk"))):
-                return True
-        return any(accepts([file]) for folder in folders for file in sorted((folder / "rejected").glob("*.fbk")))
+        return subprocess.run(command, capture_output=True, timeout=600).returncode != 0
     except subprocess.TimeoutExpired:
         return True
 
@@ -152,12 +167,15 @@ def try_mutation(mutation, folders):
         if source.count(text) != 1:
             sys.exit(f"{name}: {text!r} occurs {source.count(text)} times")
         broken.write_text(source.replace(text, replacement))
-        return is_caught(pathlib.Path(temporary) / "fbk_read.py", folders)
+        return is_caught(temporary, folders)
 
 
-def main(*folders):
-    folders = [pathlib.Path(folder) for folder in folders]
-    if is_caught(pathlib.Path(__file__).parent / "fbk_read.py", folders):
+def main(*arguments):
+    if arguments and arguments[0] == JUDGE:
+        sys.path.insert(0, arguments[1])
+        return 0 if agrees([pathlib.Path(folder) for folder in arguments[2:]]) else 1
+    folders = [pathlib.Path(folder) for folder in arguments]
+    if is_caught(pathlib.Path(__file__).parent, folders):
         sys.exit("the reader as it is disagrees with the golden archives")
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         caught = list(pool.map(lambda mutation: try_mutation(mutation, folders), MUTATIONS))
