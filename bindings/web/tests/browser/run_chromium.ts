@@ -40,7 +40,7 @@ try {
       assert(gpu.position < (gpu.joints > 0 ? 1e-5 : 5e-5), `positions differ by ${gpu.position} of the diagonal`);
       assert(gpu.normal < 0.5, `normals differ by ${gpu.normal} degrees`);
       assert(gpu.covered > 1000 && gpu.brightness > 20 && gpu.differing < 0.002, "the pictures differ");
-      assert(name !== 'body' || gpu.bones > 0, 'no bones are turned');
+      assert(name !== "body" || gpu.bones > 0, "no bones are turned");
       assert(name !== "driven" || gpu.moved > 0.05, `joints move vertices by ${gpu.moved} of the diagonal`);
     }
   assert.deepEqual(errors.filter((text) => !text.includes("404")), []);
