@@ -45,6 +45,7 @@ static void add(uint64_t* hash, const float* numbers, size_t count) {
   for (size_t i = 0; i < count; ++i) {
     uint32_t bits;
     memcpy(&bits, numbers + i, sizeof bits);
+    if (numbers[i] != numbers[i]) bits = 0x7fc00000u; /* those of a NaN depend on the machine */
     for (int shift = 0; shift < 32; shift += 8) *hash = (*hash ^ (bits >> shift & 255)) * 0x100000001b3u;
   }
 }

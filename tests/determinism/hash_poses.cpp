@@ -22,6 +22,7 @@ struct Hash {  // FNV-1a
     for (const float number : numbers) {
       std::uint32_t bits;
       std::memcpy(&bits, &number, sizeof bits);
+      if (number != number) bits = 0x7fc00000;  // those of a NaN depend on the machine
       for (int byte = 0; byte < 4; ++byte) value = (value ^ (bits >> 8 * byte & 255)) * 0x100000001b3;
     }
   }
