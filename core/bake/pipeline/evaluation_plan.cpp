@@ -141,7 +141,8 @@ EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, b
   const std::uint64_t left = budgeted ? options.rig_budget - std::min(options.rig_budget, poses) : UINT64_MAX;
   const bool analysed = recipe_evaluates && pays_to_analyse(schema, budgeted ? left : 0);
   if (analysed) add(EvaluationPurpose::analysis, budgeted ? left : analysis_calls * schema.control_count(), left);
-  const std::uint64_t of_regions = analysed && !budgeted ? region_pose_count(poses) : 0;
+  const std::uint64_t learnt = poses + (options.use == Use::backlot ? sampled_frames(rig, sampling) : 0);
+  const std::uint64_t of_regions = analysed && !budgeted ? region_pose_count(learnt) : 0;
   add(EvaluationPurpose::regions, of_regions, of_regions);
   const std::uint64_t controls = control_error_calls(schema.control_count());
   const bool measured = !budgeted || (!analysed && left >= controls);

@@ -65,6 +65,21 @@ TEST_CASE("a plan within a budget spends it, stage by stage") {
   CHECK(expected(like, EvaluationPurpose::analysis) == 0);
 }
 
+TEST_CASE("a plan without a budget has poses of single regions, where the recipe evaluates the rig") {
+  MemorySource rig = live_face(10);
+  RigEvaluator evaluator(rig);
+  BakeOptions options;
+  options.poses = 1000;
+  options.use = Use::variant;
+  const auto of_regions = [&](bool evaluates) {
+    return expected(plan_evaluations(evaluator, options, evaluates, silent_progress()), EvaluationPurpose::regions);
+  };
+  CHECK(of_regions(true) == 4000);
+  CHECK(of_regions(false) == 0);
+  options.use = Use::backlot;
+  CHECK(of_regions(true) == 4160);  // for 40 frames of a clip, too
+}
+
 TEST_CASE("a plan is a sentence where all takes a moment, a table for a budget or a slow rig") {
   EvaluationPlan plan{{{EvaluationPurpose::drawn, 1000, 1000}, {EvaluationPurpose::analysis, 500, UINT64_MAX}}, 0.01};
   plan.sampled_bytes = 2'000'000'000;
