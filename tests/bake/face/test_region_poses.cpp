@@ -128,7 +128,7 @@ TEST_CASE("networks are trained on poses of their region where a rig may be aske
     BakeOptions options = options_in(folder, "compact");
     options.poses = budget ? budget : 300;
     options.rig_budget = budget;
-    options.epochs = 2;
+    options.epochs = 1;
     return bake_face(rig, options, silent_progress());
   };
   const Baked free = bake(0), limited = bake(1200);
