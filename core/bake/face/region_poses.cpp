@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "bake/linalg/gemm.h"
 #include "bake/sampling/pose_generators.h"
 #include "base/random_streams.h"
 
@@ -27,17 +26,6 @@ std::vector<float> draw_region_pose(const RigSchema& schema, const FaceRegion& r
     pose[region.controls[k]] = value_toward(control, up, fraction);
   }
   return pose;
-}
-
-// The coefficients of a residual (3 x vertices) in a region's basis.
-void project(const FaceRegion& region, const LocalBasis& basis, std::span<const float> residual, float* coefficients) {
-  std::vector<float> weighted;
-  weighted.reserve(basis.rows);
-  for (std::size_t i = 0; i < region.vertices.size(); ++i)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      weighted.push_back(region.weights[i] * residual[3 * std::size_t(region.vertices[i]) + axis]);
-  gemm(Op::transposed, Op::plain, basis.count, 1, basis.rows, basis.components.data(), basis.rows, weighted.data(),
-       basis.rows, 0, coefficients, basis.count);
 }
 
 }  // namespace
@@ -78,7 +66,7 @@ std::vector<RegionPoses> region_poses(RigEvaluator& rig, const BlockedBlendshape
         },
         [&](std::size_t p, std::span<const float> controls, std::span<float> displacement) {
           base.add(controls, rig.rest_pose(), 1, -1, displacement);
-          project(regions[r], bases[r], displacement, &poses.coefficients[p * bases[r].count]);
+          project_poses(regions[r], bases[r], displacement, 1, &poses.coefficients[p * bases[r].count]);
         });
   }
   return all;

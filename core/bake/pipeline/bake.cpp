@@ -228,8 +228,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   evaluator.set_cache_limit({options.cache_bytes, options.rig_budget > 0});
   if (!checked) check_rig_unchanged(evaluator, options.seed, options.work, progress);
   if (recipe.evaluates_rig) compose_rig(evaluator, options, progress);
-  BakeOptions sampling = options;  // from what composing leaves of the budget
-  if (sampling.rig_budget > 0) sampling.rig_budget -= evaluator.requested();
+  const BakeOptions sampling = with_budget_left(options, evaluator, 1);
   if (!options.exact.empty()) make_folder(options.work);
   const std::vector<ExactFrame> exact = read_exact_frames(evaluator, options.exact, progress);
   if (!exact.empty()) options.complete = [&exact](PackedModel& face) { keep_exact(face, exact); };

@@ -271,18 +271,18 @@ std::vector<LocalBasis> truncate(const PoseRows& poses, const std::vector<FaceRe
 }
 
 // The coefficients of every pose.
-void project_poses(const PoseRows& poses, const std::vector<FaceRegion>& regions, std::vector<LocalBasis>& bases,
-                   const Parallel& parallel, Progress& progress) {
+void project_all(const PoseRows& poses, const std::vector<FaceRegion>& regions, std::vector<LocalBasis>& bases,
+                 const Parallel& parallel, Progress& progress) {
   for (LocalBasis& basis : bases) basis.coefficients.resize(poses.size() * basis.count);
   progress.begin(Phase::training, "projecting poses", poses.size());
   for_blocks(poses, poses_per_read(poses.rows()), parallel, progress,
              [&](std::size_t start, std::size_t count, const float* values) {
-               for_region_poses(
-                   parallel, regions, poses.rows(), count, values,
-                   [&](std::size_t r, std::size_t first, std::size_t n, std::vector<float>& displacements) {
-                     LocalBasis& b = bases[r];
-                     gemm(Op::transposed, Op::plain, b.count, n, b.rows, b.components.data(), b.rows,
-                          displacements.data(), b.rows, 0, b.coefficients.data() + (start + first) * b.count, b.count);
+               for_tiles(
+                   parallel, regions.size(), task_poses, [&](std::size_t) { return count; },
+                   [&](std::size_t r, std::size_t first, std::size_t n) {
+                     const std::span residual(values + first * poses.rows(), n * poses.rows());
+                     project_poses(regions[r], bases[r], residual, n,
+                                   bases[r].coefficients.data() + (start + first) * bases[r].count);
                    });
              });
 }
@@ -319,8 +319,16 @@ std::vector<LocalBasis> local_bases(const PoseRows& to_fit, const PoseRows& all,
   iterate_subspaces(fitted, regions, subspaces, parallel, progress);
   std::vector<LocalBasis> bases = truncate(fitted, regions, options, subspaces, parallel, progress);
   subspaces.clear();
-  project_poses(all, regions, bases, parallel, progress);
+  project_all(all, regions, bases, parallel, progress);
   return bases;
+}
+
+void project_poses(const FaceRegion& region, const LocalBasis& basis, std::span<const float> residual,
+                   std::size_t poses, float* coefficients) {
+  std::vector<float> weighted;
+  gather_weighted(region, 0, region.vertices.size(), residual.data(), residual.size() / poses, poses, weighted);
+  gemm(Op::transposed, Op::plain, basis.count, poses, basis.rows, basis.components.data(), basis.rows, weighted.data(),
+       basis.rows, 0, coefficients, basis.count);
 }
 
 }  // namespace fb::bake

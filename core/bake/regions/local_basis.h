@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "bake/regions/find_regions.h"
@@ -41,5 +42,10 @@ inline std::vector<LocalBasis> local_bases(const PoseRows& residual, const std::
                                            Progress& progress) {
   return local_bases(residual, residual, regions, options, parallel, progress);
 }
+
+// The coefficients (poses x count) of poses of the residual (poses x 3 x vertices of the mesh) in the basis of a
+// region.
+void project_poses(const FaceRegion& region, const LocalBasis& basis, std::span<const float> residual,
+                   std::size_t poses, float* coefficients);
 
 }  // namespace fb::bake

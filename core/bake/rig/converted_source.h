@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
+#include <utility>
 
 #include "bake/rig/source_decorator.h"
 
@@ -22,6 +24,8 @@ class ConvertedSource : public SourceDecorator {
  protected:
   // `source` must outlive this. Its rest mesh is for a derived class to change.
   explicit ConvertedSource(Source& source) : SourceDecorator(source), rest_(source.rest()) {}
+  explicit ConvertedSource(std::unique_ptr<Source> source)
+      : SourceDecorator(std::move(source)), rest_(this->source().rest()) {}
 
   Mesh rest_;
 };

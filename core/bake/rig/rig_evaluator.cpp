@@ -72,15 +72,10 @@ RigEvaluator::RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> ba
 template <class Evaluate>
 void RigEvaluator::give(std::span<const float> controls, std::size_t count, std::span<float> points,
                         const Evaluate& evaluate) {
-  if (conversions_.empty()) return evaluate(points);
-  std::vector<float> from(count * rig_coordinate_count()), to;
+  if (!conversion_) return evaluate(points);
+  std::vector<float> from(count * rig_coordinate_count());
   evaluate(std::span(from));
-  for (const auto& conversion : conversions_) {
-    to.resize(count * conversion->rest().points.size());
-    conversion->convert(controls, from, count, to);
-    std::swap(from, to);
-  }
-  std::ranges::copy(from, points.begin());
+  conversion_->convert(controls, from, count, points);
 }
 
 void RigEvaluator::spend(std::span<const float> controls, std::size_t poses) {

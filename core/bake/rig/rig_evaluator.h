@@ -96,11 +96,11 @@ class RigEvaluator final : public SourceDecorator {
   RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> backend, const Parallel& parallel = {},
                const std::filesystem::path& cache = {});
 
-  // From here on gives poses as a ConvertedSource made of what gives them so far, and of `arguments`, does. What is
-  // kept of them stays as the rig gives it, so that what was evaluated before is not evaluated again.
+  // From here on gives poses as a ConvertedSource made of the source and of `arguments` does. What is kept of them
+  // stays as the rig gives it, so that what was evaluated before is not evaluated again.
   template <class Converted, class... Arguments>
   void convert(Arguments&&... arguments) {
-    conversions_.push_back(std::make_unique<Converted>(given(), std::forward<Arguments>(arguments)...));
+    conversion_ = std::make_unique<Converted>(source(), std::forward<Arguments>(arguments)...);
   }
 
   const Mesh& rest() const override { return given().rest(); }
@@ -171,7 +171,7 @@ class RigEvaluator final : public SourceDecorator {
   friend class EvaluationBudget;
 
   EvaluationCount since_purpose() const;
-  Source& given() const { return conversions_.empty() ? source() : *conversions_.back(); }
+  Source& given() const { return conversion_ ? *conversion_ : source(); }
   std::size_t rig_coordinate_count() const { return source().rest().points.size(); }
   template <class Evaluate>
   void give(std::span<const float> controls, std::size_t count, std::span<float> points, const Evaluate& evaluate);
@@ -192,7 +192,7 @@ class RigEvaluator final : public SourceDecorator {
 
   const Parallel parallel_;
   const std::unique_ptr<EvaluationBackend> backend_;
-  std::vector<std::unique_ptr<ConvertedSource>> conversions_;  // the last is what this gives; none: the source
+  std::unique_ptr<ConvertedSource> conversion_;  // what this gives; null: the source
   std::mutex caching_;  // of the cache, and of how long missing poses take
   std::optional<EvaluationCache> cache_;
   CacheLimit cache_limit_;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "bake/rig/converted_backend.h"
-
 namespace fb::bake {
 namespace {
 
@@ -45,33 +43,19 @@ PackedModel scaled(PackedModel face, int exponent) {
 }
 
 ScaledSource::ScaledSource(Source& source, int exponent)
-    : SourceDecorator(source),
-      exponent_(exponent),
-      schema_(scaled(source.schema(), exponent)),
-      rest_(scaled(source.rest(), exponent)) {}
+    : ConvertedSource(source), exponent_(exponent), schema_(scaled(source.schema(), exponent)) {
+  rest_ = scaled(std::move(rest_), exponent);
+}
 
 ScaledSource::ScaledSource(std::unique_ptr<Source> source, int exponent)
-    : SourceDecorator(std::move(source)),
-      exponent_(exponent),
-      schema_(scaled(this->source().schema(), exponent)),
-      rest_(scaled(this->source().rest(), exponent)) {}
-
-void ScaledSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  source().read(clip, first, count, points);
-  scale(points, exponent_);
+    : ConvertedSource(std::move(source)), exponent_(exponent), schema_(scaled(this->source().schema(), exponent)) {
+  rest_ = scaled(std::move(rest_), exponent);
 }
 
-void ScaledSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
-  source().evaluate(controls, count, points);
-  scale(points, exponent_);
-}
-
-std::unique_ptr<EvaluationBackend> ScaledSource::make_backend(const Parallel& parallel) {
-  const auto convert = [this](std::span<const float>, std::span<const float> from, std::size_t, std::span<float> to) {
-    std::ranges::copy(from, to.begin());
-    scale(to, exponent_);
-  };
-  return std::make_unique<ConvertedBackend>(source().make_backend(parallel), rest_.points.size(), convert);
+void ScaledSource::convert(std::span<const float>, std::span<const float> from, std::size_t,
+                           std::span<float> to) const {
+  std::ranges::copy(from, to.begin());
+  scale(to, exponent_);
 }
 
 }  // namespace fb::bake

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "bake/rig/source_decorator.h"
+#include "bake/rig/converted_source.h"
 #include "model/mesh_scale.h"
 #include "model/packed_model.h"
 
@@ -17,22 +17,19 @@ Mesh scaled(Mesh mesh, int exponent);
 PackedModel scaled(PackedModel face, int exponent);
 
 // Another source with all its points times 2^exponent. Of a live one, poses are evaluated as they are.
-class ScaledSource final : public SourceDecorator {
+class ScaledSource final : public ConvertedSource {
  public:
   // `source` must outlive this.
   ScaledSource(Source& source, int exponent);
   ScaledSource(std::unique_ptr<Source> source, int exponent);
 
   const RigSchema& schema() const override { return schema_; }
-  const Mesh& rest() const override { return rest_; }
-  void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
-  void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
-  std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override;
+  void convert(std::span<const float> controls, std::span<const float> from, std::size_t poses,
+               std::span<float> to) const override;
 
  private:
   const int exponent_;
   const RigSchema schema_;
-  const Mesh rest_;
 };
 
 }  // namespace fb::bake
