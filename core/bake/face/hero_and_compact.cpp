@@ -29,6 +29,7 @@ FaceRecipe compact_recipe() {
   recipe.corrective_bytes = 150'000;
   recipe.parameters = 380'000;
   recipe.training_flops = 2.5e13;
+  recipe.most_own_epochs = 100;
   recipe.weight_bits = 6;
   recipe.compression_error_share = 0.1;
   recipe.min_compression_error = 1.65e-5;

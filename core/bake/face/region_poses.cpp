@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "bake/sampling/pose_generators.h"
 #include "base/random_streams.h"
@@ -10,7 +9,7 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t most_poses = 50'000, most_times = 4;
+constexpr std::size_t most_poses = 150'000, most_times = 16;
 
 std::vector<float> draw_region_pose(const RigSchema& schema, const FaceRegion& region, Random random) {
   constexpr float powers[] = {0.5f, 1.0f, 2.0f};  // of uniform numbers: mostly far from rest, evenly, mostly near it
@@ -43,33 +42,27 @@ std::vector<std::size_t> region_pose_counts(std::size_t poses, std::span<const d
   return counts;
 }
 
-std::vector<RegionPoses> region_poses(RigEvaluator& rig, const BlockedBlendshapes& base,
-                                      std::span<const FaceRegion> regions, std::span<const LocalBasis> bases,
-                                      std::span<const std::size_t> counts, std::uint64_t seed, Progress& progress) {
-  const PurposeScope purpose(rig, EvaluationPurpose::regions);
+RegionPoses region_poses(RigEvaluator& rig, const BlockedBlendshapes& base, const FaceRegion& region,
+                         const LocalBasis& basis, std::size_t number, std::size_t count, std::uint64_t seed,
+                         EvaluationStage& stage) {
   const std::size_t width = rig.rest_pose().size();
-  EvaluationStage stage(progress, Phase::training, "evaluating poses of single regions",
-                        std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
-  std::vector<RegionPoses> all(regions.size());
-  for (std::size_t r = 0; r < regions.size(); ++r) {
-    RegionPoses& poses = all[r];
-    for (std::uint64_t p = 0; p < counts[r]; ++p) {
-      const std::vector<float> pose = draw_region_pose(
-          rig.schema(), regions[r], open_stream(seed, Stream::region_poses, std::uint64_t(r) << 32 | p));
-      poses.controls.insert(poses.controls.end(), pose.begin(), pose.end());
-    }
-    poses.coefficients.resize(counts[r] * bases[r].count);
-    rig.evaluate_each(
-        counts[r], stage,
-        [&](std::size_t p, std::span<float> controls) {
-          std::copy_n(poses.controls.begin() + std::ptrdiff_t(p * width), width, controls.begin());
-        },
-        [&](std::size_t p, std::span<const float> controls, std::span<float> displacement) {
-          base.add(controls, rig.rest_pose(), 1, -1, displacement);
-          project_poses(regions[r], bases[r], displacement, 1, &poses.coefficients[p * bases[r].count]);
-        });
+  RegionPoses poses;
+  for (std::uint64_t p = 0; p < count; ++p) {
+    const std::vector<float> pose = draw_region_pose(
+        rig.schema(), region, open_stream(seed, Stream::region_poses, std::uint64_t(number) << 32 | p));
+    poses.controls.insert(poses.controls.end(), pose.begin(), pose.end());
   }
-  return all;
+  poses.coefficients.resize(count * basis.count);
+  rig.evaluate_each(
+      count, stage,
+      [&](std::size_t p, std::span<float> controls) {
+        std::copy_n(poses.controls.begin() + std::ptrdiff_t(p * width), width, controls.begin());
+      },
+      [&](std::size_t p, std::span<const float> controls, std::span<float> displacement) {
+        base.add(controls, rig.rest_pose(), 1, -1, displacement);
+        project_poses(region, basis, displacement, 1, &poses.coefficients[p * basis.count]);
+      });
+  return poses;
 }
 
 }  // namespace fb::bake

@@ -12,12 +12,11 @@
 #include "bake/regions/find_regions.h"
 #include "bake/regions/local_basis.h"
 #include "bake/rig/rig_evaluator.h"
-#include "base/progress.h"
 
 namespace fb::bake {
 
-// How many poses of single regions are drawn in all, for a face that is trained on so many poses: four times as many,
-// but no more than make 50,000 with these. A table of docs/experiments.md says what other numbers bring.
+// How many poses of single regions are drawn in all, for a face that is trained on so many poses: sixteen times as
+// many, but no more than make 150,000 with these. A table of docs/experiments.md says what other numbers bring.
 std::size_t region_pose_count(std::size_t poses);
 
 // Divides poses over regions by the root of the squared error that is expected of each.
@@ -29,11 +28,12 @@ struct RegionPoses {
   std::vector<float> coefficients;  // of the region's basis: poses x LocalBasis::count
 };
 
-// Draws counts[r] poses of each region and evaluates them. In a pose, a control is the more often away from rest the
-// further it moves what the blendshapes leave of the region. `base`: these blendshapes, of whose residual the bases
-// are. Depends on rig and seed, not on threads. Fails as RigEvaluator::evaluate_each does.
-std::vector<RegionPoses> region_poses(RigEvaluator& rig, const BlockedBlendshapes& base,
-                                      std::span<const FaceRegion> regions, std::span<const LocalBasis> bases,
-                                      std::span<const std::size_t> counts, std::uint64_t seed, Progress& progress);
+// Draws `count` poses of a region, the face's number `number`, and evaluates them. In a pose, a control is the more
+// often away from rest the further it moves what the blendshapes leave of the region. `base`: these blendshapes, of
+// whose residual the basis is. Depends on rig, seed and number, not on threads. Fails as RigEvaluator::evaluate_each
+// does.
+RegionPoses region_poses(RigEvaluator& rig, const BlockedBlendshapes& base, const FaceRegion& region,
+                         const LocalBasis& basis, std::size_t number, std::size_t count, std::uint64_t seed,
+                         EvaluationStage& stage);
 
 }  // namespace fb::bake

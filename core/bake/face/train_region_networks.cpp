@@ -15,7 +15,7 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::uint32_t min_epochs = 6, max_epochs = 200;
+constexpr std::uint32_t min_epochs = 6;
 
 // See TrainingPlan.
 constexpr float learning_rate = 4e-3f, hidden_rate_factor = 0.5f, output_rate_factor = 3;
@@ -118,19 +118,30 @@ class RegionTraining {
   }
 
   // Evaluates poses of single regions, more of those of which narrow networks leave more, and adds each region's to its
-  // set. Returns their number.
+  // set: none where the rig cannot evaluate one and such poses are skipped. Returns their number.
   std::size_t add_region_poses(RigEvaluator& rig, const BlockedBlendshapes& base, std::span<const FaceRegion> regions,
                                std::span<const LocalBasis> bases, const RegionInputs& inputs, Progress& progress) {
     std::vector<double> errors;
     for (const NetworkDemand& demand : demands) errors.push_back(demand.error);
     const std::vector<std::size_t> counts = region_pose_counts(region_pose_count(poses_), errors);
-    const std::vector<RegionPoses> own = region_poses(rig, base, regions, bases, counts, options_.seed, progress);
+    const PurposeScope purpose(rig, EvaluationPurpose::regions);
+    EvaluationStage stage(progress, Phase::training, "evaluating poses of single regions",
+                          std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+    std::size_t added = 0;
     for (std::size_t r = 0; r < sets.size(); ++r) {
       if (counts[r] == 0) continue;
-      const FeatureTable table = feature_table(inputs, rig.schema(), own[r].controls, options_.parallel);
-      sets[r] = joined_.emplace_back(sets[r], table, table.gates[r], own[r].coefficients).set();
+      try {
+        const RegionPoses own = region_poses(rig, base, regions[r], bases[r], r, counts[r], options_.seed, stage);
+        const FeatureTable table = feature_table(inputs, rig.schema(), own.controls, options_.parallel);
+        sets[r] = joined_.emplace_back(sets[r], table, table.gates[r], own.coefficients).set();
+        added += counts[r];
+      } catch (const Error& error) {
+        if (!options_.skip_failing || !is_of_pose(error)) throw;
+        progress.note(
+            format("region \"%s\" is trained on no poses of its own: %s", regions[r].name.c_str(), error.what()));
+      }
     }
-    return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+    return added;
   }
 
   // The widths of the networks within the recipe's parameters.
@@ -173,7 +184,8 @@ class RegionTraining {
       products += static_cast<double>(network_parameters(demands[r], recipe_.hidden_layers, widths[r])) *
                   static_cast<double>(sets[r].poses);
     const double per_epoch = flops_per_weight * products;
-    const double epochs = std::clamp(flops / std::max(per_epoch, 1.0), 1.0, double(max_epochs));
+    const double most = joined_.empty() ? recipe_.most_epochs : recipe_.most_own_epochs;
+    const double epochs = std::clamp(flops / std::max(per_epoch, 1.0), 1.0, most);
     return std::max(static_cast<std::uint32_t>(epochs), at_least);
   }
 
@@ -226,14 +238,8 @@ RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const F
   const Mesh& rest = poses.source().rest();
   RegionTraining training(recipe, options, bases, inputs, table, training_poses.split.validation, poses.source());
   if (regions.size() > 1) training.run_pilot(progress);
-  if (rig && options.rig_budget == 0) {
-    try {
-      networks.region_poses = training.add_region_poses(*rig, base, regions, bases, inputs, progress);
-    } catch (const Error& error) {
-      if (!options.skip_failing || !is_of_pose(error)) throw;
-      progress.note(format("no poses of single regions are trained on: %s", error.what()));
-    }
-  }
+  if (rig && options.rig_budget == 0)
+    networks.region_poses = training.add_region_poses(*rig, base, regions, bases, inputs, progress);
   const std::vector<std::uint32_t> widths = training.widths();
   const std::vector<TrainedLayers> trained = training.run(widths, progress);
 

@@ -74,10 +74,10 @@ TEST_CASE("a plan without a budget has poses of single regions, where the recipe
   const auto of_regions = [&](bool evaluates) {
     return expected(plan_evaluations(evaluator, options, evaluates, silent_progress()), EvaluationPurpose::regions);
   };
-  CHECK(of_regions(true) == 4000);
+  CHECK(of_regions(true) == 16000);
   CHECK(of_regions(false) == 0);
   options.use = Use::backlot;
-  CHECK(of_regions(true) == 4160);  // for 40 frames of a clip, too
+  CHECK(of_regions(true) == 16640);  // for 40 frames of a clip, too
 }
 
 TEST_CASE("a plan is a sentence where all takes a moment, a table for a budget or a slow rig") {
