@@ -1,7 +1,6 @@
 #include "export/character_view.h"
 
 #include <algorithm>
-#include <map>
 
 namespace fb::tool {
 namespace {
@@ -19,13 +18,6 @@ std::vector<T> all_of(const fb_model* model, std::uint32_t count, void (*fill)(T
 }
 
 }  // namespace
-
-double metres_per_unit(const std::string& units) {
-  static const std::map<std::string, double> table = {
-      {"mm", 0.001}, {"cm", 0.01}, {"dm", 0.1}, {"in", 0.0254}, {"ft", 0.3048}};
-  const auto found = table.find(units);
-  return found == table.end() ? 1.0 : found->second;
-}
 
 MeshView mesh_of(const facebaker::Model& model) {
   const fb_model* m = model.get();

@@ -13,7 +13,7 @@ namespace fb::tool {
 // Everything of a face that files of other programs hold, borrowed from its model.
 struct CharacterView {
   std::string name;
-  std::string units;    // "m", "dm", "cm", "mm", "in", "ft", or others
+  std::string units;    // see metres_per
   std::string up_axis;  // "y" or "z"
   MeshView mesh;        // the pool: all meshes
   std::vector<fb_mesh> meshes;
@@ -37,9 +37,6 @@ struct CharacterView {
   // The part of `vectors` (3 x vertices of the pool) that belongs to a mesh.
   std::span<const float> part(std::size_t index, std::span<const float> vectors) const;
 };
-
-// Metres of a unit of length; 1 of one that is not among those above.
-double metres_per_unit(const std::string& units);
 
 // The pool of a model.
 MeshView mesh_of(const facebaker::Model& model);

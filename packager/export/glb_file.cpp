@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/file.h"
+#include "base/length_units.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "export/file_stream.h"
@@ -26,7 +27,7 @@ int add_node(tinygltf::Model& model, const tinygltf::Node& node) {
 void add_root(tinygltf::Model& model, const CharacterView& character) {
   tinygltf::Node node;
   node.name = valid_utf8(character.name);
-  node.scale.assign(3, metres_per_unit(character.units));
+  node.scale.assign(3, metres_per(character.units).value_or(1));
   if (character.up_axis == "z") node.rotation = {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
   model.scenes.emplace_back();
   model.scenes[0].nodes.push_back(add_node(model, node));

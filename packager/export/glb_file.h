@@ -41,7 +41,7 @@ struct GlbScene {
 // Writes a binary glTF 2.0: a node for each mesh and each socket under one that scales to metres and turns y up, with
 // materials and images; joints and a skin, with the nodes of meshes that it moves beside that node; one animation if
 // there are several frames, and those of `more`. A face whose one mesh has no name has it in the upper node. Units
-// other than "m", "dm", "cm", "mm", "in" and "ft" are not scaled. Gives what is left out, in sentences.
+// that metres_per does not know are not scaled. Gives what is left out, in sentences.
 std::vector<std::string> write_glb(const std::filesystem::path& path, const GlbScene& scene);
 
 }  // namespace fb::tool

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/file.h"
+#include "base/length_units.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "export/number_text.h"
@@ -56,7 +57,7 @@ void add_layer_head(UsdaFile& file, const UsdScene& scene, const std::string& pr
   if (!scene.about.empty()) file.line(2, "string about = " + usda_string(scene.about));
   file.line(1, "}");
   file.line(1, "defaultPrim = " + usda_string(prim));
-  file.line(1, "metersPerUnit = " + decimal(metres_per_unit(scene.character.units)));
+  file.line(1, "metersPerUnit = " + decimal(metres_per(scene.character.units).value_or(1)));
   file.line(1, scene.character.up_axis == "z" ? "upAxis = \"Z\"" : "upAxis = \"Y\"");
   if (scene.frames > 1) {
     file.line(1, "startTimeCode = 0");

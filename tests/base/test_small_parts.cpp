@@ -14,6 +14,7 @@
 #include "base/hash.h"
 #include "base/json_depth.h"
 #include "base/keep_asking.h"
+#include "base/length_units.h"
 #include "base/match_names.h"
 #include "base/memory_budget.h"
 #include "base/progress.h"
@@ -27,6 +28,19 @@
 #include "watched_progress.h"
 
 namespace fb::test_small_parts {
+
+TEST_CASE("lengths are told in millimetres, or in a unit that nobody knows") {
+  CHECK(metres_per("inch").value() == doctest::Approx(0.0254));
+  CHECK(metres_per("in").value() == doctest::Approx(0.0254));
+  CHECK(metres_per("ft").value() == doctest::Approx(0.3048));
+  CHECK_FALSE(metres_per("head").has_value());
+  CHECK_FALSE(metres_per("").has_value());
+  CHECK(length_text(0.256, "cm") == "2.56 mm");
+  CHECK(length_text(0.0125, "m") == "12.5 mm");
+  CHECK(length_text(3, "mm") == "3 mm");
+  CHECK(length_text(0.25, "head") == "0.25 head");
+  CHECK(length_text(0.25, "") == "0.25");
+}
 
 TEST_CASE("a seed always gives the same numbers") {
   Random random(1, 2);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/length_units.h"
 #include "base/status.h"
 #include "base/surface.h"
 #include "base/vector3.h"
@@ -116,13 +117,10 @@ std::string explain_distance(std::span<const float> rest, std::span<const float>
 
 std::optional<std::string> suspicious_size(double diagonal, const std::string& units) {
   constexpr double least = 0.02, most = 10;  // metres: a doll's face, a giant
-  constexpr std::pair<const char*, double> known[] = {{"mm", 1e-3},   {"cm", 1e-2},     {"dm", 1e-1},  {"m", 1},
-                                                      {"in", 0.0254}, {"inch", 0.0254}, {"ft", 0.3048}};
-  for (const auto& [name, metres] : known)
-    if (units == name && (diagonal * metres < least || diagonal * metres > most))
-      return format("the rest mesh is %.3g %s across, which is %.3g m: are its units another?", diagonal, units.c_str(),
-                    diagonal * metres);
-  return std::nullopt;
+  const std::optional<double> metres = metres_per(units);
+  if (!metres || (diagonal * *metres >= least && diagonal * *metres <= most)) return std::nullopt;
+  return format("the rest mesh is %.3g %s across, which is %.3g m: are its units another?", diagonal, units.c_str(),
+                diagonal * *metres);
 }
 
 }  // namespace fb::bake

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bake/measure/measured_face.h"
+#include "base/length_units.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -64,7 +65,8 @@ std::optional<std::string> worst_vertex_warning(const PackedModel& model, const 
   const FaceMap map(model, parallel);
   std::string text;
   const auto add = [&](const char* which, const PoseSet& poses, const Errors& errors) {
-    text += format("%s is off by %.3g %% of the diagonal: %s", which, 100 * errors.max,
+    const std::string length = length_text(errors.max * model.rest.diagonal(), model.schema.units);
+    text += format("%s is off by %s, %.3g %% of the diagonal: %s", which, length.c_str(), 100 * errors.max,
                    describe_worst(model, map, poses, worst_of(errors)).c_str());
   };
   if (unseen_max > worst_vertex_bound) add("the worst vertex of unseen poses", unseen, *independent);
