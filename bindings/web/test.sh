@@ -25,9 +25,11 @@ cc -std=gnu99 -O2 -I capi/include bindings/web/tests/native_poses.c -o "$web/nat
 mkdir -p "$web/expected"
 golden=$root/tests/golden/2.0
 pairs="" # the last one is drawn, so it has to have a surface
+number=0
 for archive in "$golden"/accepted/*.fbk "$root"/tests/golden/2.1/accepted/*.fbk "$golden/accepted/character.fbk" "$@"; do
   archive=$(realpath "$archive")
-  dump=$web/expected/$(basename "$archive" .fbk).poses
+  number=$((number + 1))
+  dump=$web/expected/$number-$(basename "$archive" .fbk).poses # archives of several folders may have one name
   "$web/native_poses" dump "$archive" 256 "$dump"
   pairs="$pairs $archive=$dump"
 done
