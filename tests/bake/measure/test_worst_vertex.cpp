@@ -31,6 +31,12 @@ bool contains(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;
 }
 
+// How far the worst vertex of unseen poses is off; the rig's unit is the centimetre.
+std::string told(const Source& source, const Errors& unseen) {
+  return format("the worst vertex of unseen poses is off by %.3g mm, %.3g %% of the diagonal",
+                10 * unseen.max * source.rest().diagonal(), 100 * unseen.max);
+}
+
 }  // namespace
 
 TEST_CASE("a bake names the worst vertex by frame, place and controls, and its certificate does not") {
@@ -43,9 +49,7 @@ TEST_CASE("a bake names the worst vertex by frame, place and controls, and its c
   CAPTURE(warning);
   const Errors& unseen = baked.independent->total;
   CHECK(unseen.worst_vertex == 7);
-  CHECK(contains(warning, format("the worst vertex of unseen poses is off by %.3g mm, %.3g %% of the diagonal",
-                                 10 * unseen.max * source.rest().diagonal(), 100 * unseen.max)
-                              .c_str()));
+  CHECK(contains(warning, told(source, unseen).c_str()));
   CHECK(contains(warning, format("frame %zu of \"unseen\" at vertex 7 (", unseen.worst_frame).c_str()));
   CHECK(contains(warning, "lower left"));
   CHECK(contains(warning, "), where \"control"));
@@ -65,7 +69,7 @@ TEST_CASE("without clips to measure on, poses held back from training are the un
   REQUIRE(baked.held_back.total.frames > 0);
   REQUIRE(baked.warnings.size() == 1);
   CAPTURE(baked.warnings[0]);
-  CHECK(contains(baked.warnings[0], format(", %.3g %% of the diagonal", 100 * baked.held_back.total.max).c_str()));
+  CHECK(contains(baked.warnings[0], told(source, baked.held_back.total).c_str()));
 }
 
 TEST_CASE("a face that is right everywhere has no worst vertex to name") {
