@@ -40,6 +40,23 @@ void SparseBlendshapes::add(std::span<const float> controls, std::span<const flo
   }
 }
 
+SparseBlendshapes part_of(const SparseBlendshapes& blendshapes, std::span<const std::uint32_t> vertices) {
+  SparseBlendshapes part{blendshapes.features, {}};
+  for (const SparseShape& shape : blendshapes.shapes) {
+    SparseShape some{shape.feature, {}, {}};
+    std::size_t at = 0;
+    for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+      while (at < shape.vertices.size() && shape.vertices[at] < vertices[v]) ++at;
+      if (at == shape.vertices.size()) break;
+      if (shape.vertices[at] != vertices[v]) continue;
+      some.vertices.push_back(v);
+      some.offsets.insert(some.offsets.end(), &shape.offsets[3 * at], &shape.offsets[3 * at] + 3);
+    }
+    if (!some.vertices.empty()) part.shapes.push_back(std::move(some));
+  }
+  return part;
+}
+
 std::vector<FeatureUsage> feature_usage(const std::vector<Feature>& features, const RigSchema& schema,
                                         std::span<const float> controls) {
   const std::vector<float> rest = schema.rest_pose();

@@ -33,6 +33,10 @@ struct SparseBlendshapes {
            std::span<float> displacements) const;
 };
 
+// What blendshapes do to some of the vertices (ascending), which are then numbered as they come there. Their features
+// are the same.
+SparseBlendshapes part_of(const SparseBlendshapes& blendshapes, std::span<const std::uint32_t> vertices);
+
 // Values of features in one pose, in their order, in float as the archive's readers compute them.
 void evaluate_features(std::span<const Feature> features, std::span<const float> controls, std::span<const float> rest,
                        std::span<float> values);

@@ -63,7 +63,6 @@ struct Decomposition {
   bool live = false;  // the analysis is of the rig, not of recorded poses
   std::vector<FaceRegion> regions;
   std::vector<LocalBasis> bases;
-  std::shared_ptr<const BlockedBlendshapes> base;  // of the analysis, as it was found
 };
 
 // What the rig shows; nothing where it cannot evaluate a pose and such poses are skipped.
@@ -104,9 +103,9 @@ Decomposition decompose(const FaceRecipe& recipe, const TrainingPoses& training,
     progress.note(format("%zu of %zu correctives are left to the networks", dropped, face.analysis.correctives.size()));
     face.regions = find_regions(rest, schema, face.analysis.residual_motion, region_options);
   }
-  face.base = std::make_shared<BlockedBlendshapes>(face.analysis.base, rest.vertex_count());
-  face.bases = local_bases(Residual(fitted, face.base), Residual(poses, face.base), face.regions, recipe.basis,
-                           options.parallel, progress);
+  const auto base = std::make_shared<BlockedBlendshapes>(face.analysis.base, rest.vertex_count());
+  face.bases = local_bases(Residual(fitted, base), Residual(poses, base), face.regions, recipe.basis, options.parallel,
+                           progress);
   // Regions without residual need no network.
   for (std::size_t r = face.regions.size(); r-- > 0;)
     if (face.bases[r].count == 0 || face.regions[r].controls.empty()) {
@@ -156,10 +155,10 @@ TrainedFace train_face(const FaceRecipe& recipe, const TrainingPoses& training, 
   face.model.rest = poses.source().rest();
   face.model.coarsest_levels = options.coarsest_levels;
   face.model.network.features = inputs.features;
+  RegionNetworks networks = train_region_networks(recipe, parts.regions, parts.bases, inputs, training,
+                                                  parts.analysis.base, parts.live ? rig : nullptr, options, progress);
   std::vector<CurveTable> tables = take_curve_tables(parts.analysis.base, poses, recipe.analysis.curve_tolerance / 2);
   for (const SparseShape& shape : parts.analysis.base.shapes) face.model.network.direct.push_back(shape.feature);
-  RegionNetworks networks = train_region_networks(recipe, parts.regions, parts.bases, inputs, training, *parts.base,
-                                                  parts.live ? rig : nullptr, options, progress);
   face.stats.notes = summary_notes(parts, networks);
   face.model.network.regions = std::move(networks.regions);
   for (CurveTable& table : tables) {

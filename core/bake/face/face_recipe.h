@@ -40,8 +40,8 @@ struct FaceRecipe {
   // for either; with these bits instead it left no less error.
   int weight_bits = 7;
   double training_flops = 0;  // floating-point operations that training may take, about
-  // Epochs that it takes at most, and with poses of single regions: on the sample face, 200 instead of 100 double the
-  // time of training and lower the mse of shots by a third.
+  // Epochs that it takes at most, and with poses of single regions: on shots of the sample face, 200 instead of 100
+  // lower the worst vertex of `hero` from 4.0e-3 to 3.3e-3, and that of `compact`, whose networks are narrow, not.
   std::uint32_t most_epochs = 200, most_own_epochs = 200;
   // The error that blockwise PCA, quantisation and dropping of columns may add: a share of the networks' own rms error
   // on validation poses, but at least min_compression_error over the diagonal. Where single controls simply add up, the

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "bake/sampling/pose_generators.h"
 #include "base/random_streams.h"
@@ -42,7 +43,7 @@ std::vector<std::size_t> region_pose_counts(std::size_t poses, std::span<const d
   return counts;
 }
 
-RegionPoses region_poses(RigEvaluator& rig, const BlockedBlendshapes& base, const FaceRegion& region,
+RegionPoses region_poses(RigEvaluator& rig, const SparseBlendshapes& base, const FaceRegion& region,
                          const LocalBasis& basis, std::size_t number, std::size_t count, std::uint64_t seed,
                          EvaluationStage& stage) {
   const std::size_t width = rig.rest_pose().size();
@@ -53,15 +54,19 @@ RegionPoses region_poses(RigEvaluator& rig, const BlockedBlendshapes& base, cons
     poses.controls.insert(poses.controls.end(), pose.begin(), pose.end());
   }
   poses.coefficients.resize(count * basis.count);
+  const SparseBlendshapes part = part_of(base, region.vertices);
+  FaceRegion alone = region;  // on a mesh of its vertices
+  std::iota(alone.vertices.begin(), alone.vertices.end(), 0u);
   rig.evaluate_each(
       count, stage,
       [&](std::size_t p, std::span<float> controls) {
         std::copy_n(poses.controls.begin() + std::ptrdiff_t(p * width), width, controls.begin());
       },
       [&](std::size_t p, std::span<const float> controls, std::span<float> displacement) {
-        base.add(controls, rig.rest_pose(), 1, -1, displacement);
-        project_poses(region, basis, displacement, 1, &poses.coefficients[p * basis.count]);
-      });
+        part.add(controls, rig.rest_pose(), 1, -1, displacement);
+        project_poses(alone, basis, displacement, 1, &poses.coefficients[p * basis.count]);
+      },
+      region.vertices);
   return poses;
 }
 

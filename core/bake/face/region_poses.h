@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "bake/analysis/blocked_blendshapes.h"
+#include "bake/analysis/sparse_blendshapes.h"
 #include "bake/regions/find_regions.h"
 #include "bake/regions/local_basis.h"
 #include "bake/rig/rig_evaluator.h"
@@ -32,7 +32,7 @@ struct RegionPoses {
 // often away from rest the further it moves what the blendshapes leave of the region. `base`: these blendshapes, of
 // whose residual the basis is. Depends on rig, seed and number, not on threads. Fails as RigEvaluator::evaluate_each
 // does.
-RegionPoses region_poses(RigEvaluator& rig, const BlockedBlendshapes& base, const FaceRegion& region,
+RegionPoses region_poses(RigEvaluator& rig, const SparseBlendshapes& base, const FaceRegion& region,
                          const LocalBasis& basis, std::size_t number, std::size_t count, std::uint64_t seed,
                          EvaluationStage& stage);
 

@@ -18,8 +18,8 @@ namespace {
 constexpr std::uint32_t min_epochs = 6;
 
 // See TrainingPlan.
-constexpr float learning_rate = 4e-3f, hidden_rate_factor = 0.5f, output_rate_factor = 3;
-constexpr std::uint32_t batch = 128;
+constexpr float learning_rate = 8e-3f, hidden_rate_factor = 0.5f, output_rate_factor = 3;
+constexpr std::uint32_t batch = 256;
 constexpr float residual_init_scale = 0.3f, output_scaling = 0.75f, pose_balance = 0.25f;
 // Of the epochs, the last: with weights quantised as they will be packed, of which the networks then lose less.
 constexpr float quantised_share = 0.15f;
@@ -119,7 +119,7 @@ class RegionTraining {
 
   // Evaluates poses of single regions, more of those of which narrow networks leave more, and adds each region's to its
   // set: none where the rig cannot evaluate one and such poses are skipped. Returns their number.
-  std::size_t add_region_poses(RigEvaluator& rig, const BlockedBlendshapes& base, std::span<const FaceRegion> regions,
+  std::size_t add_region_poses(RigEvaluator& rig, const SparseBlendshapes& base, std::span<const FaceRegion> regions,
                                std::span<const LocalBasis> bases, const RegionInputs& inputs, Progress& progress) {
     std::vector<double> errors;
     for (const NetworkDemand& demand : demands) errors.push_back(demand.error);
@@ -229,7 +229,7 @@ class RegionTraining {
 
 RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const FaceRegion> regions,
                                      std::span<const LocalBasis> bases, const RegionInputs& inputs,
-                                     const TrainingPoses& training_poses, const BlockedBlendshapes& base,
+                                     const TrainingPoses& training_poses, const SparseBlendshapes& base,
                                      RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   RegionNetworks networks;
   if (regions.empty()) return networks;

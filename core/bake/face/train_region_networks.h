@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "bake/analysis/blocked_blendshapes.h"
+#include "bake/analysis/sparse_blendshapes.h"
 #include "bake/face/face_recipe.h"
 #include "bake/face/network_inputs.h"
 #include "bake/sampling/validation_split.h"
@@ -25,7 +25,7 @@ struct RegionNetworks {
 // region_poses. `rig`: null where there is none; `base`: the blendshapes whose residual is learnt.
 RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const FaceRegion> regions,
                                      std::span<const LocalBasis> bases, const RegionInputs& inputs,
-                                     const TrainingPoses& training_poses, const BlockedBlendshapes& base,
+                                     const TrainingPoses& training_poses, const SparseBlendshapes& base,
                                      RigEvaluator* rig, const BakeOptions& options, Progress& progress);
 
 }  // namespace fb::bake

@@ -213,6 +213,19 @@ Frame<double> blend_of(const Skin& skin, std::size_t vertex, std::span<const Fra
   return blend;
 }
 
+// See remove_driven_skin; of one vertex of the surface.
+void unskin(const Mesh& rest, std::span<const Frame<double>> motions, std::size_t v, std::span<float> points) {
+  const Frame<double> blend = blend_of(rest.driven.skin, v, motions);
+  if (blend == still_frame) return;
+  const auto back = inverse(blend);
+  const double at[3] = {points[3 * v], points[3 * v + 1], points[3 * v + 2]};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double* const row = back ? back->data() + 4 * a : nullptr;
+    points[3 * v + a] =
+        row ? static_cast<float>(row[0] * at[0] + row[1] * at[1] + row[2] * at[2] + row[3]) : rest.points[3 * v + a];
+  }
+}
+
 }  // namespace
 
 void add_driven_skin(const Mesh& rest, std::span<const Frame<double>> motions, std::span<double> positions) {
@@ -227,22 +240,22 @@ void add_driven_skin(const Mesh& rest, std::span<const Frame<double>> motions, s
 void remove_driven_skin(const Mesh& rest, std::span<float> points) {
   if (rest.driven.empty()) return;
   const auto motions = joint_motions(rest.driven, points.subspan(rest.first_joint_coordinate()));
-  for (std::size_t v = 0; v < rest.surface_vertex_count(); ++v) {
-    const Frame<double> blend = blend_of(rest.driven.skin, v, motions);
-    if (blend == still_frame) continue;
-    const auto back = inverse(blend);
-    const double at[3] = {points[3 * v], points[3 * v + 1], points[3 * v + 2]};
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double* const row = back ? back->data() + 4 * a : nullptr;
-      points[3 * v + a] =
-          row ? static_cast<float>(row[0] * at[0] + row[1] * at[1] + row[2] * at[2] + row[3]) : rest.points[3 * v + a];
-    }
-  }
+  for (std::size_t v = 0; v < rest.surface_vertex_count(); ++v) unskin(rest, motions, v, points);
 }
 
-void points_to_displacements(const Mesh& rest, std::span<float> points) {
-  remove_driven_skin(rest, points);
-  for (std::size_t i = 0; i < rest.points.size(); ++i) points[i] -= rest.points[i];
+void points_to_displacements(const Mesh& rest, std::span<float> points, std::span<const std::uint32_t> vertices) {
+  if (vertices.empty()) {
+    remove_driven_skin(rest, points);
+    for (std::size_t i = 0; i < rest.points.size(); ++i) points[i] -= rest.points[i];
+    return;
+  }
+  std::vector<Frame<double>> motions;
+  if (!rest.driven.empty()) motions = joint_motions(rest.driven, points.subspan(rest.first_joint_coordinate()));
+  std::size_t to = 0;
+  for (const std::uint32_t v : vertices) {
+    if (!motions.empty() && v < rest.surface_vertex_count()) unskin(rest, motions, v, points);
+    for (std::size_t i = std::size_t{3} * v; i < std::size_t{3} * v + 3; ++i) points[to++] = points[i] - rest.points[i];
+  }
 }
 
 }  // namespace fb::bake

@@ -44,7 +44,8 @@ void add_driven_skin(const Mesh& rest, std::span<const Frame<double>> motions, s
 // is taken to be at rest before joints move it.
 void remove_driven_skin(const Mesh& rest, std::span<float> points);
 
-// The same, then subtracts the rest mesh.
-void points_to_displacements(const Mesh& rest, std::span<float> points);
+// The same, then subtracts the rest mesh. With `vertices` (ascending), only theirs are made, and come first, one after
+// the other; what is behind them is undefined.
+void points_to_displacements(const Mesh& rest, std::span<float> points, std::span<const std::uint32_t> vertices = {});
 
 }  // namespace fb::bake

@@ -326,7 +326,8 @@ void RigEvaluator::tell_limit() {
       static_cast<unsigned long long>(cache_->record_count()), static_cast<double>(cache_limit_.bytes) / (1 << 20)));
 }
 
-void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit) {
+void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit,
+                                 std::span<const std::uint32_t> vertices) {
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
   std::vector<float> controls, points;
   const auto pose = [&](std::size_t i) { return std::span(controls).subspan(i * width, width); };
@@ -346,8 +347,8 @@ void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, cons
     }
     parallel_for(parallel_, poses, [&](std::size_t i, std::size_t) {
       const std::span<float> displacement = std::span(points).subspan(i * size, size);
-      points_to_displacements(rest(), displacement);
-      visit(first + i, pose(i), displacement);
+      points_to_displacements(rest(), displacement, vertices);
+      visit(first + i, pose(i), vertices.empty() ? displacement : displacement.first(3 * vertices.size()));
     });
     stage.advance(poses);
   }

@@ -142,8 +142,10 @@ class RigEvaluator final : public SourceDecorator {
   using Visit = std::function<void(std::size_t pose, std::span<const float> controls, std::span<float> displacement)>;
   // evaluate_cached for many poses, of which one block is in memory at a time: fill is called for every pose below
   // count in order, with the rest pose to change; visit for each, on several threads, with its displacement from the
-  // rest mesh, which it may change. Fails naming the controls of a pose that cannot be evaluated.
-  void evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit);
+  // rest mesh, which it may change: of `vertices` (ascending) one after the other, or of all where there are none.
+  // Fails naming the controls of a pose that cannot be evaluated.
+  void evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit,
+                     std::span<const std::uint32_t> vertices = {});
 
   // Different poses requested so far besides rest, failed and cached ones included: what counts against budgets, so
   // that a bake that was interrupted and goes on has the same result.

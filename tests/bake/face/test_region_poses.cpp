@@ -52,7 +52,7 @@ struct Halves {
     }
   }
 
-  std::vector<RegionPoses> poses(const BlockedBlendshapes& base, int threads = 0, std::uint64_t seed = 1) {
+  std::vector<RegionPoses> poses(const SparseBlendshapes& base, int threads = 0, std::uint64_t seed = 1) {
     RigEvaluator evaluator(rig, {threads});
     EvaluationStage stage(silent_progress(), Phase::training, "evaluating poses of single regions", 500);
     std::vector<RegionPoses> all;
@@ -77,7 +77,7 @@ TEST_CASE("sixteen times as many poses are of single regions, as long as all are
 
 TEST_CASE("poses of a region move its controls alone, those more often that move it further") {
   Halves face;
-  const std::vector<RegionPoses> found = face.poses(BlockedBlendshapes({}, vertices));
+  const std::vector<RegionPoses> found = face.poses({});
   REQUIRE(found.size() == 2);
   for (std::size_t r = 0; r < 2; ++r) {
     const std::size_t poses = r == 0 ? 300 : 200;
@@ -99,10 +99,9 @@ TEST_CASE("poses of a region move its controls alone, those more often that move
 
 TEST_CASE("coefficients are those of what blendshapes leave of the rig, whatever the number of threads") {
   Halves face;
-  SparseBlendshapes blendshapes;  // what the third control does, of the first vertex alone
-  blendshapes.features = {{Feature::Kind::identity, 2, 1, 0}};
-  blendshapes.shapes = {{0, {0}, {0.1f, 0.1f * std::cos(0.7f), 0.1f * std::cos(1.4f)}}};
-  const BlockedBlendshapes base(blendshapes, vertices);
+  SparseBlendshapes base;  // what the third control does, of the first vertex alone
+  base.features = {{Feature::Kind::identity, 2, 1, 0}};
+  base.shapes = {{0, {0}, {0.1f, 0.1f * std::cos(0.7f), 0.1f * std::cos(1.4f)}}};
   const std::vector<RegionPoses> found = face.poses(base, 1);
   for (std::size_t r = 0; r < 2; ++r)
     for (std::size_t p = 0; p < found[r].coefficients.size() / components; ++p) {
