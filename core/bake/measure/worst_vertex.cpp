@@ -59,7 +59,8 @@ std::string describe_worst(const PackedModel& model, const FaceMap& map, const P
 
 std::optional<std::string> worst_vertex_warning(const PackedModel& model, const PoseSet& training,
                                                 const Errors& dependency, const PoseSet& unseen,
-                                                const std::optional<Errors>& independent, const Parallel& parallel) {
+                                                const std::optional<Errors>& independent, bool live,
+                                                const Parallel& parallel) {
   const double unseen_max = independent ? independent->max : 0;
   if (std::max(unseen_max, dependency.max) <= worst_vertex_bound) return std::nullopt;
   const FaceMap map(model, parallel);
@@ -72,7 +73,8 @@ std::optional<std::string> worst_vertex_warning(const PackedModel& model, const 
   if (unseen_max > worst_vertex_bound) add("the worst vertex of unseen poses", unseen, *independent);
   if (dependency.max > unseen_max)
     add(text.empty() ? "the worst vertex of poses trained on" : "; that of poses trained on", training, dependency);
-  return text + ". More poses of these controls together, or a larger recipe, would help";
+  return text + (live ? ". --poses-like, with control values of such motion, trains on more poses near it"
+                      : ". More recorded poses of these controls together would help");
 }
 
 }  // namespace fb::bake

@@ -26,9 +26,11 @@ std::string describe_worst(const PackedModel& model, const FaceMap& map, const P
 constexpr double worst_vertex_bound = 1e-3;
 
 // One sentence if the worst vertex is off by more than worst_vertex_bound: in the poses that were not trained on (none:
-// no clips), or in those trained on, which `dependency` was measured on. The latter only if they are worse.
+// no clips), or in those trained on, which `dependency` was measured on. The latter only if they are worse. `live`: a
+// rig can be asked for more poses, which decides what the sentence advises.
 std::optional<std::string> worst_vertex_warning(const PackedModel& model, const PoseSet& training,
                                                 const Errors& dependency, const PoseSet& unseen,
-                                                const std::optional<Errors>& independent, const Parallel& parallel);
+                                                const std::optional<Errors>& independent, bool live,
+                                                const Parallel& parallel);
 
 }  // namespace fb::bake

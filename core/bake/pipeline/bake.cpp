@@ -115,7 +115,7 @@ void warn_of_worst_vertex(PackedFace& face, Source& data, Source& source, const 
     errors = evaluate_model_on(face.model, unseen, options.parallel, progress);
   warn(face.baked,
        worst_vertex_warning(face.model, all.subsampled(measured_poses), face.baked.dependency, unseen, errors,
-                            options.parallel),
+                            source.live(), options.parallel),
        progress);
 }
 
@@ -289,6 +289,20 @@ BakeOptions with_plan(const BakeOptions& options, const LevelPlan& plan) {
   return planned;
 }
 
+// Tells which clips a variant is not trained on.
+void note_shots_left_out(const Source& data, Use use, Progress& progress) {
+  if (use != Use::variant) return;
+  std::size_t shots = 0;
+  std::uint64_t frames = 0;
+  for (const Clip& clip : data.clips())
+    if (clip.split == Split::train && clip.kind == ClipKind::shot) ++shots, frames += clip.frames;
+  if (shots > 0)
+    progress.note(
+        format("%zu shots of split train, %llu frames, are not trained on: a variant is to make shots. "
+               "--use backlot trains on them, --poses-like on other poses near control values",
+               shots, static_cast<unsigned long long>(frames)));
+}
+
 }  // namespace
 
 PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& given, Progress& progress) {
@@ -300,6 +314,7 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& gi
          data.schema().name.c_str(), name_of(given.use), given.use == Use::variant ? " that is not a shot" : "",
          planned.empty() ? "" : " with points; they are missing for ", planned.c_str());
   }
+  note_shots_left_out(data, given.use, progress);
   make_folder(given.work);
   const LevelPlan plan = plan_levels(poses, rig ? rig->character() : data.character(), given, progress);
   const BakeOptions options = with_plan(given, plan);

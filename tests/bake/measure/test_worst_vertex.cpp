@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "archive/reader.h"
+#include "base/random.h"
 #include "toy_faces.h"
 
 namespace test_worst_vertex {
@@ -25,6 +26,26 @@ MemorySource face_with_clips(const MemorySource::Formula& formula) {
   source.add_clip("trained", ClipKind::dense, Split::train, 300, 0.6f, 1);
   source.add_clip("unseen", ClipKind::shot, Split::test, 60, 0.5f, 4);
   return source;
+}
+
+// Eight controls of which three touch something where all of them act far: a corner that few random poses reach.
+void touching_formula(const float* c, std::span<float> points) {
+  const float reached = std::max(0.0f, c[0] + c[1] + c[2] - 1.8f);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t k = 0; k < 8; ++k) points[i] += 0.3f * c[k] * std::sin(float(i * (k + 1)));
+    points[i] += reached * std::cos(0.4f * float(i)) - 0.5f * reached * reached * std::sin(0.3f * float(i));
+  }
+}
+
+// Frames of the eight controls in which the three act far.
+std::vector<float> touching_frames(std::size_t frames, std::uint64_t seed) {
+  std::vector<float> controls;
+  for (std::size_t f = 0; f < frames; ++f) {
+    Random random(seed, f);
+    for (std::size_t k = 0; k < 8; ++k)
+      controls.push_back(k < 3 ? random.uniform(0.6f, 1.0f) : random.uniform(0.0f, 0.2f));
+  }
+  return controls;
 }
 
 bool contains(const std::string& text, const char* part) {
@@ -53,9 +74,31 @@ TEST_CASE("a bake names the worst vertex by frame, place and controls, and its c
   CHECK(contains(warning, format("frame %zu of \"unseen\" at vertex 7 (", unseen.worst_frame).c_str()));
   CHECK(contains(warning, "lower left"));
   CHECK(contains(warning, "), where \"control"));
-  CHECK(contains(warning, "More poses"));
+  CHECK(contains(warning, "More recorded poses of these controls together"));
   CHECK(contains(warning, "of poses trained on is off by") == (baked.dependency.max > unseen.max));
   CHECK_FALSE(contains(archive::read_archive(baked.archive).text.certificate, "worst vertex"));
+}
+
+TEST_CASE("what the warning advises for a live rig helps a variant") {
+  const auto baked_with = [](std::vector<float> examples) {
+    MemorySource rig(8, 8, touching_formula, true);
+    rig.add_clip("unseen", ClipKind::shot, Split::test, 60, 0.5f, 4);
+    rig.edit_clip(0).controls = touching_frames(60, 5);
+    const WorkFolder folder;
+    BakeOptions options = options_in(folder, "compact");
+    options.use = Use::variant;
+    options.rig_budget = 300;
+    options.epochs = 60;
+    options.examples = std::move(examples);
+    return bake_face(rig, options, silent_progress());
+  };
+  const Baked before = baked_with({}), after = baked_with(touching_frames(40, 6));
+  REQUIRE(before.warnings.size() == 1);
+  CHECK(contains(before.warnings[0], "--poses-like, with control values of such motion"));
+  CAPTURE(before.independent->total.max);
+  CAPTURE(after.independent->total.max);
+  CHECK(after.independent->total.max < 0.7 * before.independent->total.max);
+  CHECK(after.independent->total.mfm < 0.7 * before.independent->total.mfm);
 }
 
 TEST_CASE("without clips to measure on, poses held back from training are the unseen ones") {
