@@ -71,7 +71,7 @@ void measure_locality(fb_report& report, fb::bake::Source& source, const fb::bak
 
 std::unique_ptr<fb_report> report_of(const fb_bake_desc& desc, fb::bake::Baked baked, const fb::bake::Source& source) {
   auto report = std::make_unique<fb_report>();
-  report->json = bake_json(desc.archive, baked);
+  report->json = bake_json(desc.archive, source, baked);
   report->quantisation = baked.quantisation;
   report->faces.name = source.schema().name;
   report->faces.units = source.schema().units;

@@ -23,7 +23,7 @@ std::string json_text(const nlohmann::ordered_json& json);
 std::string sample_json(const std::string& dataset, const bake::SampleReport& report);
 // `rest`: whether the plan has a rest mesh.
 std::string plan_json(const std::string& dataset, const bake::PosePlan& plan, bool rest);
-std::string bake_json(const std::string& archive, const bake::Baked& baked);
+std::string bake_json(const std::string& archive, const bake::Source& source, const bake::Baked& baked);
 // "quality" and "locality" are null where they were not measured.
 std::string eval_json(const std::string& archive, const MethodReport& face);
 // Of fb_compare and fb_check; with details, see fb_report_details.

@@ -49,7 +49,7 @@ std::string plan_json(const std::string& dataset, const PosePlan& plan, bool res
   return json_text({{"dataset", dataset}, {"poses", poses}, {"rest", rest}, {"clips", clips}});
 }
 
-std::string bake_json(const std::string& archive, const Baked& baked) {
+std::string bake_json(const std::string& archive, const Source& source, const Baked& baked) {
   Json json;
   FieldWriter write(json);
   write("archive", archive);
@@ -63,6 +63,9 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
   write("coefficients", baked.coefficients);
   write("parameters", baked.parameters);
   write("train_seconds", baked.train_seconds);
+  write("units", source.schema().units);
+  write("diagonal", source.rest().diagonal());
+  write("independent", baked.independent ? std::optional(baked.independent->total) : std::nullopt);
   write("held_back", baked.held_back.total.frames > 0 ? std::optional(baked.held_back) : std::nullopt);
   write("quantisation", baked.quantisation);
   write("exact", baked.exact);

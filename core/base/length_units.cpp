@@ -14,9 +14,14 @@ std::optional<double> metres_per(const std::string& unit) {
   return std::nullopt;
 }
 
+ShownUnit shown_unit(const std::string& unit) {
+  if (const std::optional<double> metres = metres_per(unit)) return {1e3 * *metres, "mm"};
+  return {1, unit};
+}
+
 std::string length_text(double length, const std::string& unit) {
-  if (const std::optional<double> metres = metres_per(unit)) return format("%.3g mm", 1e3 * *metres * length);
-  return unit.empty() ? format("%.3g", length) : format("%.3g %s", length, unit.c_str());
+  const ShownUnit shown = shown_unit(unit);
+  return format("%.3g", shown.per_unit * length) + (unit.empty() ? "" : " " + shown.name);
 }
 
 }  // namespace fb

@@ -27,7 +27,8 @@ struct Errors {
   double mean = 0;  // mean of e / D
   double p99 = 0;   // 99th percentile of e / D; resolved to 1 %
   double max = 0;   // largest e / D
-  double mfm = 0;   // mean over frames of the frame's largest e / D
+  double mfm = 0;   // mean over frames of the frame's largest e / D: of the frame maxima
+  double p99fm = 0;  // 99th percentile of the frame maxima; resolved to 1 %
   std::size_t worst_frame = 0;
   std::uint32_t worst_vertex = 0;  // of that frame
   std::vector<ChannelErrors> channels = {};
@@ -43,6 +44,7 @@ void visit_distances(Visit& visit, Struct& errors) {
   visit("p99", errors.p99);
   visit("max", errors.max);
   visit("mfm", errors.mfm);
+  visit("p99fm", errors.p99fm);
 }
 
 template <class Visit, MaybeConst<Errors> Struct>

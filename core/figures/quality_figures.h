@@ -56,6 +56,7 @@ struct RegionErrors {
   std::vector<std::string> movers;  // controls
   std::size_t vertices = 0;
   double mse = 0, max = 0;
+  double mfm = 0, p99fm = 0;  // mean and 99th percentile of the frames' worst vertices, see Errors
 };
 
 template <class Visit, MaybeConst<RegionErrors> Struct>
@@ -66,6 +67,8 @@ void visit_fields(Visit& visit, Struct& region) {
   visit("vertices", region.vertices);
   visit("mse", region.mse);
   visit("max", region.max);
+  visit("mfm", region.mfm);
+  visit("p99fm", region.p99fm);
 }
 
 // Errors over some frames, over D^2 and D.

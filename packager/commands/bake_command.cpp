@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/length_units.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
@@ -43,12 +44,30 @@ struct BakeCommand {
   facebaker::Report bake(const facebaker::Source& source, Progress& progress, const fb_callbacks& callbacks);
 };
 
+// The errors of poses that nothing was trained on, of clips or else of those that were held back.
+void add_unseen(Table& table, const nlohmann::json& figures) {
+  const bool clips = figures.at("independent").is_object();
+  const nlohmann::json& errors = figures.at(clips ? "independent" : "held_back");
+  if (!errors.is_object()) return;
+  const std::string poses = clips ? "unseen poses" : "poses held back";
+  const auto add = [&](const char* what, const char* key) {
+    const double error = errors.at(key);
+    table.add({poses + what, length_text(error * figures.at("diagonal").get<double>(), figures.at("units")) +
+                                 format(", %.2e", error)});
+  };
+  add(", worst vertex", "max");
+  add(", worst vertex of 99 in 100", "p99fm");
+  add(", worst vertex on average", "mfm");
+  table.add({poses + ", mse", format("%.2e", errors.at("mse").get<double>())});
+}
+
 // The document of fb_bake as a table.
 std::string bake_text(const std::string& document) {
   const nlohmann::json figures = nlohmann::json::parse(document);
   const auto count = [&](const char* key) { return std::to_string(figures.at(key).get<std::uint64_t>()); };
   const nlohmann::json& quantisation = figures.at("quantisation");
   Table table({"figure", "value"});
+  add_unseen(table, figures);
   table.add({"bytes", count("bytes")});
   table.add({"poses trained on", count("poses")});
   table.add({"rig calls", count("rig_calls")});
@@ -57,7 +76,7 @@ std::string bake_text(const std::string& document) {
   table.add({"trained numbers", count("parameters")});
   table.add({"training, seconds", format("%.1f", figures.at("train_seconds").get<double>())});
   if (figures.at("reused") > 0) table.add({"evaluations reused", count("reused")});
-  if (const nlohmann::json& held = figures.at("held_back"); held.is_object())
+  if (const nlohmann::json& held = figures.at("held_back"); held.is_object() && figures.at("independent").is_object())
     table.add({"poses held back, mse", format("%.2e", held.at("mse").get<double>())});
   table.add({"rounding, mse", format("%.2e", quantisation.at("mse").get<double>())});
   table.add({"rounding, worst / diagonal", format("%.2e", quantisation.at("max").get<double>())});

@@ -3,6 +3,7 @@
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
+#include "base/length_units.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
@@ -66,10 +67,14 @@ std::string scientific(double value) {
 std::string errors_text(const FaceFigures& figures) {
   MethodTable table(figures, "Table 1");
   const auto add_test = [&](const std::string& test, const auto& errors) {
+    const auto length = [&](double error) { return length_text(error * figures.diagonal, figures.units); };
+    table.row(test + " max", [&](const MethodReport& m) { return length(errors(m).max); });
+    table.row(test + " mfm", [&](const MethodReport& m) { return length(errors(m).mfm); });
     table.row(test + " MSE", [&](const MethodReport& m) { return scientific(errors(m).mse); });
     table.row(test + " max err", [&](const MethodReport& m) { return scientific(errors(m).max); });
+    table.row(test + " mfm / D", [&](const MethodReport& m) { return scientific(errors(m).mfm); });
+    table.row(test + " p99fm / D", [&](const MethodReport& m) { return scientific(errors(m).p99fm); });
     table.row(test + " p99", [&](const MethodReport& m) { return scientific(errors(m).p99); });
-    table.row(test + " mfm", [&](const MethodReport& m) { return scientific(errors(m).mfm); });
   };
   add_test("independent", [](const MethodReport& m) { return m.independent.total; });
   add_test("dependency", [](const MethodReport& m) { return m.dependency; });
@@ -108,7 +113,8 @@ std::string compare_text(const FaceFigures& figures) {
   for (const MethodFailure& failure : figures.failures)
     failures += format("The %s of %s failed: %s\n", failure.use.c_str(), failure.name.c_str(), failure.reason.c_str());
   return format(
-             "%s: errors over the diagonal of the rest mesh, %g %s; mfm: mean over frames of the worst vertex.\n"
+             "%s: errors over the diagonal of the rest mesh, %g %s; mfm and p99fm: mean and 99th percentile of the "
+             "frames' worst vertices.\n"
              "Independent: clips nothing was trained on. Dependency: data trained on.\n\n",
              figures.name.c_str(), figures.diagonal, figures.units.c_str()) +
          errors_text(figures) + clips_text(figures) + costs_text(figures) + failures;

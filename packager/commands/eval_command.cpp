@@ -2,6 +2,7 @@
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
+#include "base/length_units.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
@@ -25,10 +26,15 @@ struct EvalCommand {
 };
 
 std::string eval_text(const FaceFigures& figures) {
-  Table table({"clip", "kind", "split", "frames", "mse", "rms", "mean", "p99", "max", "mfm"});
+  const std::string unit = shown_unit(figures.units).name;
+  Table table({"clip", "kind", "split", "frames", "max, " + unit, "p99fm, " + unit, "mfm, " + unit, "max", "p99fm",
+               "mfm", "mse", "rms", "mean", "p99"});
+  const double units = shown_unit(figures.units).per_unit * figures.diagonal;
   const auto add = [&](const std::string& name, const std::string& kind, const std::string& split, const Errors& e) {
     std::vector<std::string> row = {name, kind, split, std::to_string(e.frames)};
-    for (const double figure : {e.mse, e.rms, e.mean, e.p99, e.max, e.mfm}) row.push_back(format("%.2e", figure));
+    for (const double figure : {e.max, e.p99fm, e.mfm}) row.push_back(format("%.3g", units * figure));
+    for (const double figure : {e.max, e.p99fm, e.mfm, e.mse, e.rms, e.mean, e.p99})
+      row.push_back(format("%.2e", figure));
     table.add(std::move(row));
   };
   const MethodReport& face = figures.methods.at(0);
@@ -36,8 +42,10 @@ std::string eval_text(const FaceFigures& figures) {
   add("total", "", "", face.independent.total);
   const std::string contact = face.independent.quality ? contact_text(face.independent.quality->contact) + "\n" : "";
   return table.text() +
-         format("All errors are fractions of the rest mesh's diagonal, %g %s.\n", figures.diagonal,
-                figures.units.c_str()) +
+         format(
+             "max, p99fm and mfm are of the worst vertices of frames: the largest, the 99th percentile and the mean. "
+             "Errors without a unit are fractions of the rest mesh's diagonal, %g %s.\n",
+             figures.diagonal, figures.units.c_str()) +
          format("A pose reads %.0f bytes of the model on average, 95 of 100 at most %llu.\n",
                 face.independent.bytes_read.mean, static_cast<unsigned long long>(face.independent.bytes_read.p95)) +
          contact + (face.independent.expectation ? expectation_text(*face.independent.expectation) + "\n" : "");

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include "base/file.h"
+#include "base/length_units.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "commands/command_options.h"
@@ -153,22 +155,45 @@ std::string character_tables(const Json& document) {
          each("exact_poses", exact, exact_pose) + each("levels", levels, level);
 }
 
-// A row of the table of errors from a JSON object; nothing if it is none. An archive may hold any JSON.
-void add_errors(Table& table, const std::string& what, const Json& json) {
+// Errors over the diagonal as certificates tell them; those of the frames' worst vertices first, and in a unit, too.
+struct ErrorTable {
+  static constexpr std::array<const char*, 3> worst = {"max", "p99fm", "mfm"};
+  static constexpr std::array<const char*, 4> others = {"mse", "rms", "mean", "p99"};
+
+  ErrorTable(const std::string& units, double diagonal)
+      : unit(shown_unit(units)), length(unit.per_unit * diagonal), table(heads(unit.name)) {}
+  static std::vector<std::string> heads(const std::string& unit) {
+    std::vector<std::string> heads = {"errors over the diagonal", "frames"};
+    for (const char* key : worst) heads.push_back(std::string(key) + ", " + unit);
+    heads.insert(heads.end(), worst.begin(), worst.end());
+    heads.insert(heads.end(), others.begin(), others.end());
+    return heads;
+  }
+
+  ShownUnit unit;
+  double length;  // of the diagonal, in that unit
+  Table table;
+};
+
+// A row of the table from a JSON object; nothing if it is none. An archive may hold any JSON.
+void add_errors(ErrorTable& errors, const std::string& what, const Json& json) {
   if (!json.is_object()) return;
   std::vector<std::string> row = {what};
   const auto frames = json.contains("poses") ? json.find("poses") : json.find("frames");
   row.push_back(frames != json.end() && frames->is_number_unsigned() ? std::to_string(frames->get<std::uint64_t>())
                                                                      : "");
-  for (const char* key : {"mse", "rms", "mean", "p99", "max", "mfm"}) {
+  const auto add = [&](const char* key, double factor) {
     const auto figure = json.find(key);
-    row.push_back(figure != json.end() && figure->is_number() ? format("%.3g", figure->get<double>()) : "");
-  }
-  table.add(std::move(row));
+    row.push_back(figure != json.end() && figure->is_number() ? format("%.3g", factor * figure->get<double>()) : "");
+  };
+  for (const char* key : ErrorTable::worst) add(key, errors.length);
+  for (const char* key : ErrorTable::worst) add(key, 1);
+  for (const char* key : ErrorTable::others) add(key, 1);
+  errors.table.add(std::move(row));
 }
 
 // Rows of a list of such objects, named by `key`.
-void add_error_list(Table& table, const char* what, const Json& json, const char* list, const char* key) {
+void add_error_list(ErrorTable& table, const char* what, const Json& json, const char* list, const char* key) {
   const auto found = json.find(list);
   if (found == json.end() || !found->is_array()) return;
   for (const Json& item : *found)
@@ -176,9 +201,10 @@ void add_error_list(Table& table, const char* what, const Json& json, const char
       add_errors(table, what + item[key].get<std::string>(), item);
 }
 
-std::string certificate_text(const Json& certificate) {
+std::string certificate_text(const Json& document) {
+  const Json& certificate = document.at("certificate");
   if (!certificate.is_object()) return "";
-  Table table({"errors over the diagonal", "frames", "mse", "rms", "mean", "p99", "max", "mfm"});
+  ErrorTable table(document.at("units"), document.at("diagonal"));
   add_errors(table, "trained on", certificate.value("dependency", Json()));
   const Json held_back = certificate.value("held_back", Json());
   add_errors(table, "held back", held_back);
@@ -196,7 +222,7 @@ std::string certificate_text(const Json& certificate) {
     add_errors(table, format("level of detail %zu", k + 1), levels[k]);
   for (const char* key : {"quantisation", "exact", "repacked", "bound"})
     add_errors(table, key, certificate.value(key, Json()));
-  std::string text = table.text();
+  std::string text = table.table.text();
   const Json normals = unseen.is_object() ? unseen.value("normals", Json()) : Json();
   if (normals.is_object() && normals.contains("rms_degrees") && normals["rms_degrees"].is_number())
     text += format("normals, unseen: %.3g degrees (root mean square)\n", normals["rms_degrees"].get<double>());
@@ -264,7 +290,7 @@ std::string inspect_text(const std::string& path, const facebaker::Archive& arch
   if (document.contains("about")) text += about_lines(document["about"]);
   for (const Json& region : document.at("network").at("regions"))
     text += "network \"" + region.at("name").get<std::string>() + "\": " + layers_text(region) + "\n";
-  text += certificate_text(document.at("certificate")) + provenance_text(document.at("provenance"));
+  text += certificate_text(document) + provenance_text(document.at("provenance"));
   if (info.proof_poses > 0) text += format("proof: %u poses (facebaker verify)\n", info.proof_poses);
   if (*info.licence) text += std::string("licence:\n") + info.licence + "\n";
   for (std::uint32_t n = 0; n < info.note_count; ++n)

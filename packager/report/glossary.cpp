@@ -6,12 +6,13 @@
 namespace fb::tool {
 namespace {
 
-constexpr std::array<GlossaryEntry, 73> entries = {{
+constexpr std::array<GlossaryEntry, 75> entries = {{
     {"mse", "Mean over vertices and frames of the squared distance from the true rig, over D squared."},
     {"rms", "Root of the mse: the same as a length, over D."},
     {"p99", "99 % of all vertices in all frames are nearer to the true rig than this, over D."},
     {"max", "The worst vertex of all frames, over D."},
     {"mfm", "Mean over the frames of the frame's worst vertex, over D: what an eye finds in an ordinary frame."},
+    {"p99fm", "99 of 100 frames have no vertex further off than this, over D."},
     {"worst / D", "The worst vertex of all poses counted, over D."},
     {"rms / D", "Root mean square distance from the true rig, over D."},
     {"frames", "Frames that the figures of the row are of."},
@@ -63,6 +64,7 @@ constexpr std::array<GlossaryEntry, 73> entries = {{
     {"99 % of vertices are nearer than / D",
      "99 % of all vertices in all frames are nearer to the true rig than this, over D."},
     {"worst vertex of all frames / D", "The largest distance of any vertex in any measured frame, over D."},
+    {"worst vertex of 99 in 100 frames / D", "99 of 100 frames have no vertex further off than this, over D."},
     {"worst vertex of a frame, on average / D", "Mean over the frames of the frame's worst vertex, over D."},
     {"normals, degrees rms", "Root mean square angle between the vertex normals of the rig and of the face."},
     {"mse of linear blendshapes over ours", "How many times larger the mean squared error of linear blendshapes is."},

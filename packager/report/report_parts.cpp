@@ -75,14 +75,14 @@ void add_regions(Html& page, const ReportView& view, const FramePictures& pictur
                "Grey moves without networks, by blendshapes alone, or not at all.");
   double all = 0;
   for (const RegionErrors& region : ours.regions) all += region.mse * static_cast<double>(region.vertices);
-  Rows rows = {{"region", "moved by", "vertices", "rms / D", "worst / D", "share of error"}};
+  Rows rows = {{"region", "moved by", "vertices", "worst / D", "p99fm", "mfm", "rms / D", "share of error"}};
   std::vector<std::string> colours;
   for (std::size_t r = 0; r < ours.regions.size(); ++r) {
     const RegionErrors& region = ours.regions[r];
     const double share = all > 0 ? region.mse * static_cast<double>(region.vertices) / all : 0;
     rows.push_back({format("%zu. %s", r + 1, region.title.c_str()), joined(region.movers),
-                    std::to_string(region.vertices), view.length(std::sqrt(region.mse)), view.length(region.max),
-                    format("%.1f %%", 100 * share)});
+                    std::to_string(region.vertices), view.length(region.max), view.length(region.p99fm),
+                    view.length(region.mfm), view.length(std::sqrt(region.mse)), format("%.1f %%", 100 * share)});
     colours.push_back(css_colour(r));
   }
   page.table(rows, colours);

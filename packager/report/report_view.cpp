@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/length_units.h"
 #include "base/status.h"
 
 namespace fb::tool {
@@ -61,7 +62,7 @@ std::string ReportView::region_of(std::size_t vertex) const {
 
 std::string ReportView::length(double value) const {
   if (!std::isfinite(value)) return "-";
-  return figure_text(value) + format("\n%.2g %s", value * figures_->diagonal, figures_->units.c_str());
+  return length_text(value * figures_->diagonal, figures_->units) + "\n" + figure_text(value);
 }
 
 std::string figure_text(double value) {

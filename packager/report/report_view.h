@@ -27,7 +27,7 @@ class ReportView {
   std::string label(const MethodReport& method) const;  // "hero", or "hero variant" where there are both uses
   int colour(const MethodReport& method) const;         // of curves and bars: one a recipe
   bool measured() const { return ours().independent.total.frames > 0; }
-  // A length over D, 1.23e-04, and on a line of its own in the rig's unit; a dash if it is not finite.
+  // A length over D: "0.48 mm" (see length_text), and on a line of its own 1.23e-03; a dash if it is not finite.
   std::string length(double value) const;
   // The title of the region of ours that a vertex belongs to; "" if there is none.
   std::string region_of(std::size_t vertex) const;

@@ -27,7 +27,7 @@
 #include "bake/sampling/validation_split.h"
 #include "base/status.h"
 #include "base/surface.h"
-#include "frame_maxima.h"
+#include "maxima_counts.h"
 #include "runtime/evaluator.h"
 
 using namespace fb;
@@ -105,7 +105,7 @@ class Measurement {
     const double diagonal = rest.diagonal();
     std::vector<float> truth(size), predicted(size);
     double squares = 0, angles = 0;
-    bench::FrameMaxima maxima;
+    bench::MaximaCounts maxima;
     for (std::size_t pose = 0; pose < poses_.size(); ++pose) {
       poses_.read_points(pose, 1, truth);
       predict(std::span(controls_).subspan(pose * width, width), predicted);

@@ -118,7 +118,7 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
   for (const char* section : {"What to do", "No surfaces touch in the", "By control", "By kind of clip",
                               "Figures explained", "Colours mean the same in all pictures", "error_map.png"})
     CHECK_MESSAGE(contains(page, section), section);
-  for (const char* heading : {"p99", "max", "mfm", "combined: frames", "alone: poses"})
+  for (const char* heading : {"p99", "max", "mfm", "p99fm", "combined: frames", "alone: poses"})
     CHECK_MESSAGE(contains(page, "\">" + std::string(heading) + "</button></th>"), heading);  // explained on hover
   const Json figures = Json::parse(run.out);
   for (const Json& method : figures.at("methods")) {

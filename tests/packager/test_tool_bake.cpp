@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-const std::vector<std::string> figures = {"mse", "rms", "mean", "p99", "max", "mfm"};
+const std::vector<std::string> figures = {"mse", "rms", "mean", "p99", "max", "mfm", "p99fm"};
 
 std::string text_of(const std::string& path) {
   const auto bytes = fb::read_file(path);
@@ -61,6 +61,10 @@ void check_bake(const ScratchFolder& folder, const std::string& dataset, const s
   CHECK(baked.at("bytes") == std::filesystem::file_size(archive));
   for (const char* key : {"poses", "coefficients", "parameters", "train_seconds", "quantisation"})
     CHECK(baked.contains(key));
+  const Json& unseen = baked.at("independent");
+  CHECK(unseen.at("frames") == 12);
+  CHECK(unseen.at("mfm") <= unseen.at("p99fm"));
+  CHECK(unseen.at("p99fm") <= unseen.at("max"));
   CHECK(folder.names() == std::vector<std::string>{"data", "report", "toy.fbk"});
   CHECK(text_of(folder / "report/bake.json") == bake.out);
 }
@@ -85,6 +89,7 @@ void check_figures(const Json& measured, const fb::Errors& errors) {
   CHECK(total.at("p99") == errors.p99);
   CHECK(total.at("max") == errors.max);
   CHECK(total.at("mfm") == errors.mfm);
+  CHECK(total.at("p99fm") == errors.p99fm);
   CHECK(total.at("worst_frame") == errors.worst_frame);
   const Json& touched = measured.at("touched_bytes");
   CHECK(touched.at("poses") == 12);

@@ -76,7 +76,9 @@ Json independent_errors(const EvalReport& report) {
     json["regions"].push_back({{"name", region.name},
                                {"vertices", region.vertices},
                                {"mse", rounded(region.mse)},
-                               {"max", rounded(region.max)}});
+                               {"max", rounded(region.max)},
+                               {"mfm", rounded(region.mfm)},
+                               {"p99fm", rounded(region.p99fm)}});
   json["normals"] = {{"rms_degrees", rounded(report.quality->normal_rms)},
                      {"p99_degrees", rounded(report.quality->normal_p99)}};
   const ContactErrors& contact = report.quality->contact;

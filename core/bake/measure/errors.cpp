@@ -23,6 +23,7 @@ void ErrorSums::add_frame(std::span<const float> predicted, std::span<const floa
     }
     histogram_.add(static_cast<float>(squared));
   }
+  maxima_.add(worst);
   worst = std::sqrt(worst);
   if (worst > worst_) {
     worst_ = worst;
@@ -32,7 +33,6 @@ void ErrorSums::add_frame(std::span<const float> predicted, std::span<const floa
   squares_ += squares;
   fourth_ += std::pow(squares / static_cast<double>(vertices), 2);
   distances_ += distances;
-  frame_worsts_ += worst;
   vertices_ += vertices;
   ++frames_;
 }
@@ -58,6 +58,7 @@ void ErrorSums::append(const ErrorSums& later) {
     channels_[c].worst = std::max(channels_[c].worst, later.channels_[c].worst);
   }
   histogram_.append(later.histogram_);
+  maxima_.append(later.maxima_);
   if (later.worst_ > worst_) {
     worst_ = later.worst_;
     worst_frame_ = frames_ + later.worst_frame_;
@@ -66,7 +67,6 @@ void ErrorSums::append(const ErrorSums& later) {
   squares_ += later.squares_;
   fourth_ += later.fourth_;
   distances_ += later.distances_;
-  frame_worsts_ += later.frame_worsts_;
   vertices_ += later.vertices_;
   frames_ += later.frames_;
 }
@@ -84,12 +84,13 @@ Errors ErrorSums::figures(double diagonal) const {
   }
   errors.mean = distances_ / static_cast<double>(vertices_) / diagonal;
   errors.max = worst_ / diagonal;
-  errors.mfm = frame_worsts_ / static_cast<double>(frames_) / diagonal;
+  errors.mfm = maxima_.mean() / diagonal;
   errors.worst_frame = worst_frame_;
   errors.worst_vertex = worst_vertex_;
   for (const ChannelSums& channel : channels_)
     errors.channels.push_back({channel.name, std::sqrt(channel.squares / static_cast<double>(frames_)), channel.worst});
   errors.p99 = std::min(std::sqrt(histogram_.p99()) / diagonal, errors.max);
+  errors.p99fm = std::min(maxima_.p99() / diagonal, errors.max);
   return errors;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/measure/frame_maxima.h"
 #include "bake/measure/histogram.h"
 #include "figures/error_figures.h"
 #include "model/rig_schema.h"
@@ -27,9 +28,10 @@ class ErrorSums {
  private:
   std::size_t frames_ = 0, vertices_ = 0, worst_frame_ = 0;
   std::uint32_t worst_vertex_ = 0;
-  double squares_ = 0, distances_ = 0, frame_worsts_ = 0, worst_ = 0;
+  double squares_ = 0, distances_ = 0, worst_ = 0;
   double fourth_ = 0;    // squares of the frames' mean squares
   Histogram histogram_;  // of e^2
+  FrameMaxima maxima_;
   // Of a channel, over its range.
   struct ChannelSums {
     std::string name;

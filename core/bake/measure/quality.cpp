@@ -79,6 +79,7 @@ FrameErrors QualitySums::add_vertices(const std::vector<float>& error) {
   vertex_squares_.resize(vertices);
   vertex_worst_.resize(vertices);
   squares_.resize(vertices);
+  std::vector<double> region_worst(basis_->parts.names.size() + 1);
   double squares = 0, worst = 0;
   std::uint32_t worst_vertex = 0;
   for (std::size_t v = 0; v < vertices; ++v) {
@@ -87,10 +88,14 @@ FrameErrors QualitySums::add_vertices(const std::vector<float>& error) {
     vertex_worst_[v] = std::max(vertex_worst_[v], static_cast<float>(squared));
     squares_[v] = static_cast<float>(squared);
     squares += squared;
+    double& of_region = region_worst[basis_->parts.labels[v]];
+    of_region = std::max(of_region, squared);
     if (squared <= worst) continue;
     worst = squared;
     worst_vertex = static_cast<std::uint32_t>(v);
   }
+  region_maxima_.resize(region_worst.size());
+  for (std::size_t r = 0; r < region_worst.size(); ++r) region_maxima_[r].add(region_worst[r]);
   return {static_cast<float>(mean(squares, static_cast<double>(vertices))), static_cast<float>(std::sqrt(worst)),
           worst_vertex};
 }
@@ -189,6 +194,8 @@ void QualitySums::append(const QualitySums& later) {
     vertex_squares_[v] += later.vertex_squares_[v];
     vertex_worst_[v] = std::max(vertex_worst_[v], later.vertex_worst_[v]);
   }
+  region_maxima_.resize(later.region_maxima_.size());
+  for (std::size_t r = 0; r < region_maxima_.size(); ++r) region_maxima_[r].append(later.region_maxima_[r]);
   controls_.resize(later.controls_.size());
   for (std::size_t c = 0; c < controls_.size(); ++c) {
     controls_[c].all.append(later.controls_[c].all);
@@ -233,9 +240,12 @@ Quality QualitySums::figures() const {
     regions[label].mse += mse;
     regions[label].max = std::max(regions[label].max, std::sqrt(double(vertex_worst_[v])));
   }
-  for (RegionErrors& region : regions) {
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    RegionErrors& region = regions[r];
     if (region.vertices == 0) continue;
     region.mse /= static_cast<double>(region.vertices);
+    region.mfm = region_maxima_[r].mean();
+    region.p99fm = std::min(region_maxima_[r].p99(), region.max);
     quality.regions.push_back(region);
   }
   return quality;

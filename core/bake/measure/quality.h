@@ -10,6 +10,7 @@
 
 #include "bake/measure/contact.h"
 #include "bake/measure/face_parts.h"
+#include "bake/measure/frame_maxima.h"
 #include "bake/measure/histogram.h"
 #include "figures/error_figures.h"
 #include "figures/quality_figures.h"
@@ -78,6 +79,7 @@ class QualitySums {
   std::vector<FrameErrors> frames_;
   std::vector<double> vertex_squares_;
   std::vector<float> vertex_worst_;
+  std::vector<FrameMaxima> region_maxima_;  // and last of vertices in no region
   std::vector<float> squares_;  // by vertex, of the frame added last
   std::vector<ControlPart> controls_;
   std::vector<std::vector<float>> past_;  // error vectors of up to two frames before

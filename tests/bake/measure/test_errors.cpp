@@ -38,6 +38,7 @@ TEST_CASE("figures are those of their definitions, over the diagonal") {
   CHECK(e.mean == doctest::Approx(8 / 8.0 / 10));
   CHECK(e.max == doctest::Approx(0.4));
   CHECK(e.mfm == doctest::Approx((0.2 + 0.4) / 2));
+  CHECK(e.p99fm == doctest::Approx(0.4));
   CHECK(e.worst_frame == 1);
   CHECK(e.p99 == doctest::Approx(0.4));
 }
@@ -49,6 +50,13 @@ TEST_CASE("the 99th percentile leaves one vertex in a hundred beyond it") {
   add(sums, distances);
   CHECK(sums.figures(1).p99 == doctest::Approx(std::pow(1.02, 990)).epsilon(0.012));
   CHECK(sums.figures(1).max == doctest::Approx(distances.back()));
+}
+
+TEST_CASE("one frame in a hundred has a vertex beyond the 99th percentile of the frame maxima") {
+  ErrorSums sums;
+  for (int f = 1; f <= 1000; ++f) add(sums, {std::pow(1.01f, float(f)), 0, 0.5f});
+  CHECK(sums.figures(1).p99fm == doctest::Approx(std::pow(1.01, 990)).epsilon(0.012));
+  CHECK(sums.figures(1).max == doctest::Approx(std::pow(1.01, 1000)));
 }
 
 TEST_CASE("sums joined in order are the sums of all frames") {
@@ -68,6 +76,7 @@ TEST_CASE("sums joined in order are the sums of all frames") {
   CHECK(a.rms_deviation == doctest::Approx(b.rms_deviation));
   CHECK(a.mfm == doctest::Approx(b.mfm));
   CHECK(a.p99 == b.p99);
+  CHECK(a.p99fm == b.p99fm);
   CHECK(a.max == b.max);
   CHECK(b.worst_frame == 4);
 }

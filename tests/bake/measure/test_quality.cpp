@@ -130,6 +130,28 @@ TEST_CASE("a border is compared with the insides of the parts that meet there") 
   CHECK(quality.inside_jump == doctest::Approx(std::sqrt(0.75 * stripe) / basis.diagonal).epsilon(1e-4));
 }
 
+TEST_CASE("frame maxima of a region are those of its own vertices, whatever others do") {
+  const MemorySource source = grid();
+  const QualityBasis basis = halves(source);
+  const Points& truth = source.rest().points;
+  QualitySums sums(basis), later(basis);
+  const auto add = [&](QualitySums& to, float left, float right) {
+    to.add_frame(at_rest, moved(moved(truth, left, true, false), right, false, true), truth, false);
+  };
+  add(sums, 0.1f, 0);
+  add(sums, 0.3f, 0);
+  add(later, 0.2f, 0.8f);
+  sums.append(later);
+  const std::vector<RegionErrors> regions = sums.figures().regions;
+  REQUIRE(regions.size() == 2);
+  const double d = basis.diagonal;
+  CHECK(regions[0].mfm == doctest::Approx(0.2 / d));
+  CHECK(regions[0].p99fm == doctest::Approx(0.3 / d).epsilon(0.01));
+  CHECK(regions[1].mfm == doctest::Approx(0.8 / 3 / d));
+  CHECK(regions[1].p99fm == doctest::Approx(0.8 / d).epsilon(0.01));
+  CHECK(regions[1].p99fm <= regions[1].max);
+}
+
 TEST_CASE("a face of one part has no border") {
   const MemorySource source = grid();
   const QualityBasis basis(source.rest(), source.schema(),

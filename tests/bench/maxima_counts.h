@@ -10,10 +10,10 @@
 namespace fb::bench {
 
 // Largest distances of a vertex in each frame, over the diagonal.
-class FrameMaxima {
+class MaximaCounts {
  public:
   void add(double distance) { maxima_.push_back(distance); }
-  void append(const FrameMaxima& more) { maxima_.insert(maxima_.end(), more.maxima_.begin(), more.maxima_.end()); }
+  void append(const MaximaCounts& more) { maxima_.insert(maxima_.end(), more.maxima_.begin(), more.maxima_.end()); }
 
   // A line of the largest, mean and 99th percentile of the frames' maxima, and how many frames lie above 1e-3, 3e-3 and
   // 1e-2.
