@@ -16,7 +16,7 @@ std::optional<double> metres_per(const std::string& unit) {
 
 ShownUnit shown_unit(const std::string& unit) {
   if (const std::optional<double> metres = metres_per(unit)) return {1e3 * *metres, "mm"};
-  return {1, unit};
+  return {1, unit.empty() ? "units" : unit};
 }
 
 std::string length_text(double length, const std::string& unit) {

@@ -11,7 +11,7 @@ std::optional<double> metres_per(const std::string& unit);
 // What lengths in a rig's unit are told in: the name, and how many of them a unit has.
 struct ShownUnit {
   double per_unit = 1;
-  std::string name;  // "mm", or the unit's own where that is none of the above
+  std::string name;  // "mm", or the unit's own where that is none of the above; "units" where it has no name
 };
 ShownUnit shown_unit(const std::string& unit);
 

@@ -28,7 +28,7 @@ struct Errors {
   double p99 = 0;   // 99th percentile of e / D; resolved to 1 %
   double max = 0;   // largest e / D
   double mfm = 0;   // mean over frames of the frame's largest e / D: of the frame maxima
-  double p99fm = 0;  // 99th percentile of the frame maxima; resolved to 1 %
+  double p99fm = 0;  // 99th percentile of the frame maxima
   std::size_t worst_frame = 0;
   std::uint32_t worst_vertex = 0;  // of that frame
   std::vector<ChannelErrors> channels = {};

@@ -1,8 +1,9 @@
 // The error of a face by source: bench_packing RECIPE [NAME=VALUE...] -- SOURCE...
 // Trains a face by the recipe `hero` or `compact` with changed settings, packs it once for each line of standard input,
 // "NAME=VALUE ..." of PackOptions (over the diagonal, but bits and lambda; empty: the recipe's own), and prints errors
-// and angles of normals on poses held back and on test clips, beside those of the float model. Sources are one
-// character, one of them a live rig.
+// and angles of normals on poses held back and on test clips, beside those of the float model, of its blendshapes
+// alone, and of the best that its basis allows whatever networks give. Sources are one character, one of them a live
+// rig.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -27,6 +28,7 @@
 #include "bake/sampling/validation_split.h"
 #include "base/status.h"
 #include "base/surface.h"
+#include "best_fit.h"
 #include "maxima_counts.h"
 #include "runtime/evaluator.h"
 
@@ -97,8 +99,9 @@ class Measurement {
   explicit Measurement(const PoseSet& poses)
       : poses_(poses), controls_(poses.controls()), triangles_(poses.source().rest().triangles()) {}
 
-  // Prints errors over D and of normals. `predict(controls, positions)` poses the face.
-  void print(const char* what, const std::function<void(std::span<const float>, std::span<float>)>& predict) const {
+  // Prints errors over D and of normals. `predict(controls, truth, positions)` poses the face.
+  using Predict = std::function<void(std::span<const float>, std::span<const float>, std::span<float>)>;
+  void print(const char* what, const Predict& predict) const {
     const Mesh& rest = poses_.source().rest();
     const std::size_t size = rest.points.size(), width = controls_.size() / poses_.size(),
                       vertices = rest.surface_vertex_count();
@@ -108,7 +111,7 @@ class Measurement {
     bench::MaximaCounts maxima;
     for (std::size_t pose = 0; pose < poses_.size(); ++pose) {
       poses_.read_points(pose, 1, truth);
-      predict(std::span(controls_).subspan(pose * width, width), predicted);
+      predict(std::span(controls_).subspan(pose * width, width), truth, predicted);
       const std::vector<Vector3> ours = vertex_normals(triangles_, predicted),
                                  theirs = vertex_normals(triangles_, truth);
       double most = 0;
@@ -129,16 +132,22 @@ class Measurement {
 
   void print(const char* what, const FaceModel& model) const {
     const FloatFace face(model);
-    print(what, [&](std::span<const float> controls, std::span<float> positions) {
+    print(what, [&](std::span<const float> controls, std::span<const float>, std::span<float> positions) {
       const std::vector<double> exact = face.evaluate(controls);
       std::copy(exact.begin(), exact.end(), positions.begin());
+    });
+  }
+
+  void print(const char* what, const bench::BestFit& fit) const {
+    print(what, [&](std::span<const float> controls, std::span<const float> truth, std::span<float> positions) {
+      fit.fit(controls, truth, positions);
     });
   }
 
   void print(const char* what, const PackedModel& model) const {
     const runtime::Evaluator face(model);
     runtime::Workspace workspace(face);
-    print(what, [&](std::span<const float> controls, std::span<float> positions) {
+    print(what, [&](std::span<const float> controls, std::span<const float>, std::span<float> positions) {
       face.evaluate(controls.data(), positions.data(), workspace);
     });
   }
@@ -181,6 +190,8 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
     region.layers.back().bias.assign(region.layers.back().bias.size(), 0);
   }
   print("float model, without networks", base);
+  if (!face.model.network.regions.empty())
+    print("float model, best fit of the basis of networks", bench::BestFit(face.model));
 
   const std::vector<float> sizes = direct_sizes(face.model, without_shots(training.all));
   std::map<int, BlockwisePca> by_block;  // vertices a block

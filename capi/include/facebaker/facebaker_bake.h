@@ -317,8 +317,8 @@ typedef struct fb_bake_desc {
                           the rig's own clips takes what is left. 0 (default): no limit */
   uint64_t seed;       /**< of everything random; default 1 */
   uint64_t max_bytes;  /**< of the archive: as precise as they allow; 0 (default): the recipe's precision */
-  double max_error;    /**< largest distance of a vertex on validation poses, over the diagonal: in as few bytes as it
-                          allows; 0 (default): none; max_bytes comes first */
+  double max_error;    /**< largest distance of a vertex, over the diagonal, on any pose that nothing was fitted to: in
+                          as few bytes as poses held back allow; 0 (default): none; max_bytes comes first */
   uint32_t force;      /**< 1: write the nearest face to what cannot be met; 0 (default): fail with LIMIT */
   uint32_t measure;    /**< FB_MEASURE_..., for the report: on clips of the split test, or of validation where there is
                           none, see fb_source_desc::clip_budget; locality within what rig_budget leaves. Default 0 */

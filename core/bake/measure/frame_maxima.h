@@ -1,33 +1,37 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-
-#include "bake/measure/histogram.h"
+#include <vector>
 
 namespace fb::bake {
 
-// Of each frame the distance of its worst vertex. Parts are joined with `append`, like ErrorSums.
+// The distance of the worst vertex of each frame. Parts are joined with `append`, like ErrorSums.
 class FrameMaxima {
  public:
-  void add(double squared_distance) {
-    ++frames_;
-    sum_ += std::sqrt(squared_distance);
-    squares_.add(static_cast<float>(squared_distance));
-  }
+  void add(double squared_distance) { distances_.push_back(static_cast<float>(std::sqrt(squared_distance))); }
   void append(const FrameMaxima& later) {
-    frames_ += later.frames_;
-    sum_ += later.sum_;
-    squares_.append(later.squares_);
+    distances_.insert(distances_.end(), later.distances_.begin(), later.distances_.end());
   }
-  // 0 without frames; the percentile is rounded up by less than 1 %.
-  double mean() const { return frames_ > 0 ? sum_ / static_cast<double>(frames_) : 0; }
-  double p99() const { return std::sqrt(squares_.p99()); }
+
+  // Of no frames: 0.
+  double mean() const {
+    double sum = 0;
+    for (const float distance : distances_) sum += distance;
+    return sum / static_cast<double>(std::max<std::size_t>(distances_.size(), 1));
+  }
+  // The least distance that 99 of 100 frames do not exceed.
+  double p99() const {
+    if (distances_.empty()) return 0;
+    std::vector<float> sorted = distances_;
+    const auto at = sorted.begin() + static_cast<std::ptrdiff_t>((99 * sorted.size() + 99) / 100 - 1);
+    std::nth_element(sorted.begin(), at, sorted.end());
+    return *at;
+  }
 
  private:
-  std::size_t frames_ = 0;
-  double sum_ = 0;
-  Histogram squares_;
+  std::vector<float> distances_;
 };
 
 }  // namespace fb::bake

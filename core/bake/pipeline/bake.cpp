@@ -168,6 +168,26 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
   for (const ControlError& error : unlearnt_controls(baked.controls)) warn(baked, warning_of(error), progress);
 }
 
+// Fails, or warns where the face is forced, if a pose that nothing was fitted to has a vertex beyond max_error:
+// precision was chosen by some of those that were held back, and nothing by clips.
+void check_max_error(Baked& baked, const BakeOptions& options, Progress& progress) {
+  const Errors clips = baked.independent ? baked.independent->total : Errors{}, &held = baked.held_back.total;
+  if (options.max_error <= 0 || clips.frames + held.frames == 0) return;
+  const double worst = std::max(clips.max, held.max);
+  if (worst <= options.max_error)
+    return progress.note(
+        format("no vertex of the %zu poses that nothing was trained on is off by more than %.3g of the "
+               "diagonal: the worst is by %.3g",
+               clips.frames + held.frames, options.max_error, worst));
+  const std::string beyond = format(
+      "asked for an error of %.3g of the diagonal, but in the %zu poses that nothing was trained on the worst "
+      "vertex is off by %.3g (99 of 100 %s by at most %.3g)",
+      options.max_error, clips.frames + held.frames, worst, clips.frames > 0 ? "frames of clips" : "poses",
+      clips.frames > 0 ? clips.p99fm : held.p99fm);
+  if (!options.force) fail(Status::limit, "%s; more poses may help, or a larger recipe", beyond.c_str());
+  warn(baked, beyond, progress);
+}
+
 // Takes over evaluations of an earlier bake, as the options say. Returns how many poses were evaluated to check them;
 // nothing where none were taken over.
 std::optional<std::uint64_t> reuse(Source& source, const BakeOptions& options, Progress& progress) {
@@ -249,6 +269,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   if (options.learning_curve)
     measure_learning_curve(training, independent, face.model, rig, options, face.baked.stats, progress);
   measure(face, data, evaluator, options, progress);
+  check_max_error(face.baked, options, progress);
   const std::string measured = certificate(face.baked);
   warn_of_worst_vertex(face, data, evaluator, options, progress);
   Baked baked = std::move(face.baked);

@@ -45,7 +45,9 @@ struct BakeOptions {
   std::uint32_t epochs = 0;  // passes over the training poses; 0: the recipe's own
   // Targets of recipes that choose the precision of what they learnt; 0: the recipe's own precision.
   std::uint64_t max_bytes = 0;  // of the archive: the least error within them
-  double max_error = 0;         // over the diagonal, on validation poses: the fewest bytes with it; after max_bytes
+  // Over the diagonal, of the worst vertex: the fewest bytes with it on validation poses; after max_bytes. A face that
+  // is beyond it on any pose that nothing was fitted to fails, or is forced.
+  double max_error = 0;
   // How much errors of normals count beside distances when a face is rounded, 0 or more: see PackOptions.
   double normal_weight = 1;
   std::string driven_joints = "keep";  // "none": see JointlessSource
@@ -154,7 +156,7 @@ inline constexpr OptionRow option_table[] = {
               "Size limit of the archive: the least error within it; 0: the precision of the recipe")
         .on_command_line("--max-bytes", "N"),
     OptionRow("max_error", &BakeOptions::max_error, OptionRow::Part::limits,
-              "Largest error allowed on validation poses, over the diagonal: in as few bytes as it allows; 0: any")
+              "Largest error of a vertex allowed on poses not trained on, over the diagonal, in few bytes; 0: any")
         .on_command_line("--max-error", "E"),
     OptionRow("force", &BakeOptions::force, OptionRow::Part::limits,
               "Write the nearest there is where --max-bytes or --max-error cannot be met, instead of failing")

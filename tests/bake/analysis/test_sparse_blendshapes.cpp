@@ -59,6 +59,23 @@ TEST_CASE("shapes are added to every pose, and subtracted again") {
   CHECK_THROWS_AS(base.add(controls, rest, count - 1, 1, out), Error);
 }
 
+TEST_CASE("part of the blendshapes moves some vertices as all of them do") {
+  SparseBlendshapes base;
+  base.features = {{Kind::identity, 0}, {Kind::identity, 1}};
+  base.shapes = {{1, {0, 1, 3}, {1, 2, 3, 4, 5, 6, 7, 8, 9}}, {0, {2}, {1, 1, 1}}};
+  const std::vector<std::uint32_t> some = {1, 3, 4};
+  const SparseBlendshapes part = part_of(base, some);
+  REQUIRE(part.shapes.size() == 1);  // the other one moves none of them
+  CHECK(part.shapes[0].feature == 1);
+  CHECK(part.shapes[0].vertices == std::vector<std::uint32_t>{0, 1});
+  CHECK(part.shapes[0].offsets == std::vector<float>{4, 5, 6, 7, 8, 9});
+  const std::vector<float> controls = {2, 0.5f};
+  std::vector<float> all(15), of_some(9);
+  base.add(controls, rest, 1, 1, all);
+  part.add(controls, rest, 1, 1, of_some);
+  for (std::size_t i = 0; i < of_some.size(); ++i) CHECK(of_some[i] == all[3 * some[i / 3] + i % 3]);
+}
+
 TEST_CASE("blendshapes in blocks move poses as the shapes do") {
   constexpr std::size_t vertices = 50, controls = 9, count = 37;
   Random random(1);

@@ -146,9 +146,9 @@ TEST_CASE("frame maxima of a region are those of its own vertices, whatever othe
   REQUIRE(regions.size() == 2);
   const double d = basis.diagonal;
   CHECK(regions[0].mfm == doctest::Approx(0.2 / d));
-  CHECK(regions[0].p99fm == doctest::Approx(0.3 / d).epsilon(0.01));
+  CHECK(regions[0].p99fm == doctest::Approx(0.3 / d));
   CHECK(regions[1].mfm == doctest::Approx(0.8 / 3 / d));
-  CHECK(regions[1].p99fm == doctest::Approx(0.8 / d).epsilon(0.01));
+  CHECK(regions[1].p99fm == doctest::Approx(0.8 / d));
   CHECK(regions[1].p99fm <= regions[1].max);
 }
 

@@ -99,6 +99,41 @@ TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it
   CHECK_THROWS_WITH(bake_face(source, options, notes), doctest::Contains("-1"));
 }
 
+TEST_CASE("an error that was asked for holds in every pose that nothing was fitted to, or the bake fails") {
+  // Beyond what the training poses reach, the rig bends.
+  const auto bent = [](const float* controls, std::span<float> points) {
+    const float beyond = std::max(0.0f, std::fabs(controls[0]) - 0.5f);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (std::size_t k = 0; k < 4; ++k) points[i] += 0.4f * controls[k] * std::sin(float(i * (k + 1)));
+      points[i] += beyond * std::cos(float(i));
+    }
+  };
+  MemorySource source(4, 20, bent);
+  source.add_clip("dense", ClipKind::dense, Split::train, 300, 0.3f, 1);
+  source.add_clip("unseen", ClipKind::shot, Split::test, 60, 0.3f, 2);
+  for (std::size_t clip = 0; clip < 2; ++clip)
+    for (std::size_t f = 0; f < source.clips()[clip].frames; ++f) {
+      float& value = source.edit_clip(clip).controls[4 * f];
+      value = std::clamp(value, -0.5f, 0.5f);
+    }
+  const WorkFolder folder;
+  BakeOptions options = options_in(folder, "linear");
+  options.max_error = 1e-2;
+  test::Notes notes;
+  const Baked kept = bake_face(source, options, notes);
+  CHECK(kept.independent->total.max <= options.max_error);
+  CHECK(notes.all.find("no vertex of the 60 poses that nothing was trained on is off by more than 0.01") !=
+        std::string::npos);
+  source.edit_clip(1).controls[4 * 7] = 1;
+  CHECK_THROWS_WITH(bake_face(source, options, notes),
+                    doctest::Contains("but in the 60 poses that nothing was trained on the worst vertex is off by"));
+  options.force = true;
+  const Baked forced = bake_face(source, options, notes);
+  CHECK(forced.independent->total.max > options.max_error);
+  REQUIRE(!forced.warnings.empty());
+  CHECK(forced.warnings[0].find("asked for an error of 0.01 of the diagonal, but in the 60 poses") == 0);
+}
+
 TEST_CASE("what is written is what was verified, and a failure at the end keeps the old file and the work") {
   const WorkFolder folder;
   const std::filesystem::path out = folder.path / "face.fbk", partial = out.string() + ".facebaker-partial";

@@ -217,6 +217,13 @@ TEST_CASE("joints that controls drive become the face's own, and the host keeps 
   std::vector<float> before = points;
   remove_driven_skin(source.rest(), before);
   CHECK(largest_apart(std::span(before).first(surface), rig.displaced(pose.data())) < tolerance);
+
+  // Displacements of some vertices, of the surface and of those that carry numbers, are those among all.
+  const std::vector<std::uint32_t> some = {1, 2, 90, static_cast<std::uint32_t>(source.rest().vertex_count() - 1)};
+  std::vector<float> all = points, of_some = points;
+  points_to_displacements(source.rest(), all);
+  points_to_displacements(source.rest(), of_some, some);
+  for (std::size_t i = 0; i < 3 * some.size(); ++i) CHECK(of_some[i] == all[3 * some[i / 3] + i % 3]);
 }
 
 TEST_CASE("axes that are mirrored, of other lengths or not orthogonal are straightened") {
