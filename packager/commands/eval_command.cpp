@@ -26,13 +26,13 @@ struct EvalCommand {
 };
 
 std::string eval_text(const FaceFigures& figures) {
-  const std::string unit = shown_unit(figures.units).name;
-  Table table({"clip", "kind", "split", "frames", "max, " + unit, "p99fm, " + unit, "mfm, " + unit, "max", "p99fm",
-               "mfm", "mse", "rms", "mean", "p99"});
-  const double units = shown_unit(figures.units).per_unit * figures.diagonal;
+  const ShownUnit unit = shown_unit(figures.units);
+  Table table({"clip", "kind", "split", "frames", "max, " + unit.name, "p99fm, " + unit.name, "mfm, " + unit.name,
+               "max", "p99fm", "mfm", "mse", "rms", "mean", "p99"});
+  const double length = unit.per_unit * figures.diagonal;
   const auto add = [&](const std::string& name, const std::string& kind, const std::string& split, const Errors& e) {
     std::vector<std::string> row = {name, kind, split, std::to_string(e.frames)};
-    for (const double figure : {e.max, e.p99fm, e.mfm}) row.push_back(format("%.3g", units * figure));
+    for (const double figure : {e.max, e.p99fm, e.mfm}) row.push_back(format("%.3g", length * figure));
     for (const double figure : {e.max, e.p99fm, e.mfm, e.mse, e.rms, e.mean, e.p99})
       row.push_back(format("%.2e", figure));
     table.add(std::move(row));

@@ -139,20 +139,18 @@ void add_methods(Html& page, const ReportView& view) {
   if (!view.measured()) return;
   page.heading(view.methods().size() > 1 ? "All methods" : "Errors by clip");
   if (view.methods().size() > 1) {
-    Rows rows = {{"method", "mse", "mse / ours", "dependency mse", "dependency max", "archive", "trained numbers",
-                  "poses", "seconds"}};
-    const auto insert = [&](std::vector<std::string>& row, std::size_t k, std::string cell) {
-      row.insert(row.begin() + 1 + static_cast<std::ptrdiff_t>(k), std::move(cell));
-    };
-    for (std::size_t k = 0; k < told_figures.size(); ++k) insert(rows[0], k, told_figures[k].name);
+    Rows rows = {{"method"}};
+    for (const ToldFigure& figure : told_figures) rows[0].push_back(figure.name);
+    rows[0].insert(rows[0].end(), {"mse", "mse / ours", "dependency mse", "dependency max", "archive",
+                                   "trained numbers", "poses", "seconds"});
     for (const MethodReport& m : view.methods()) {
       const Errors& e = m.independent.total;
-      rows.push_back({view.label(m), mse_of(e), format("%.3g", e.mse / view.ours().independent.total.mse),
-                      mse_of(m.dependency), length_of(view, m.dependency, &Errors::max),
-                      bytes_text(static_cast<double>(m.archive.size())), std::to_string(m.parameters),
-                      std::to_string(m.poses), format("%.1f", m.train_seconds)});
-      for (std::size_t k = 0; k < told_figures.size(); ++k)
-        insert(rows.back(), k, length_of(view, e, told_figures[k].value));
+      std::vector<std::string>& row = rows.emplace_back(std::vector<std::string>{view.label(m)});
+      for (const ToldFigure& figure : told_figures) row.push_back(length_of(view, e, figure.value));
+      row.insert(row.end(),
+                 {mse_of(e), format("%.3g", e.mse / view.ours().independent.total.mse), mse_of(m.dependency),
+                  length_of(view, m.dependency, &Errors::max), bytes_text(static_cast<double>(m.archive.size())),
+                  std::to_string(m.parameters), std::to_string(m.poses), format("%.1f", m.train_seconds)});
     }
     page.table(rows);
     for (const MethodFailure& failure : view.figures().failures)

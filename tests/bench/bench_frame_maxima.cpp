@@ -2,6 +2,7 @@
 // shots drawn with a seed that no bake uses, and of sparse poses, of two to eight controls of one group. Over the
 // diagonal, the largest and the mean in the rig's units, too; and in which parts of the face most of them lie.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -21,12 +22,11 @@
 #include "base/file.h"
 #include "base/random.h"
 #include "base/status.h"
-#include "maxima_counts.h"
+#include "print_maxima.h"
 #include "runtime/evaluator.h"
 
 using namespace fb;
 using namespace fb::bake;
-using fb::bench::MaximaCounts;
 
 namespace {
 
@@ -80,9 +80,9 @@ class Comparison {
     std::printf("\n");
   }
 
-  MaximaCounts measure(std::span<const float> controls) {
+  FrameMaxima measure(std::span<const float> controls) {
     const std::size_t width = rig_.schema().control_count(), count = controls.size() / width;
-    MaximaCounts maxima;
+    FrameMaxima maxima;
     std::vector<float> points;
     for (std::size_t first = 0; first < count; first += block) {
       const std::size_t poses = std::min(block, count - first);
@@ -94,16 +94,16 @@ class Comparison {
     return maxima;
   }
 
-  void print(const std::string& name, const MaximaCounts& maxima) const {
+  void print(const std::string& name, const FrameMaxima& maxima) const {
     std::printf("%-18s ", name.c_str());
-    maxima.print(rig_.diagonal(), rig_.schema().units);
+    bench::print_maxima(maxima, rig_.diagonal(), rig_.schema().units);
   }
 
   // Frames of a clip, which a recording has, too.
-  MaximaCounts measure_clip(std::size_t clip) {
+  FrameMaxima measure_clip(std::size_t clip) {
     const Clip& frames = rig_.clips()[clip];
     const std::size_t width = rig_.schema().control_count();
-    MaximaCounts maxima;
+    FrameMaxima maxima;
     std::vector<float> points(rig_.coordinate_count());
     for (std::size_t f = 0; f < frames.frames; ++f) {
       rig_.read(clip, f, 1, points);
@@ -113,11 +113,11 @@ class Comparison {
   }
 
  private:
-  void add(std::span<const float> controls, const float* points, MaximaCounts& maxima) {
+  void add(std::span<const float> controls, const float* points, FrameMaxima& maxima) {
     predicted_.resize(rig_.rest().surface_points().size());
     face_.evaluate(controls.data(), predicted_.data(), work_);
     const FurthestVertex worst = furthest_vertex(predicted_, std::span(points, predicted_.size()));
-    maxima.add(worst.distance / rig_.diagonal());
+    maxima.add(std::pow(worst.distance / rig_.diagonal(), 2));
     worst_.push_back(worst);
   }
 
@@ -138,10 +138,10 @@ int main(int argc, char** argv) try {
   RigEvaluator rig(*source);
   check_same_face(model, rig);
   Comparison face(model, rig);
-  MaximaCounts all;
+  FrameMaxima all;
   for (std::size_t c = 0; c < rig.clips().size(); ++c) {
     if (rig.clips()[c].split != Split::test) continue;
-    const MaximaCounts maxima = face.measure_clip(c);
+    const FrameMaxima maxima = face.measure_clip(c);
     face.print(rig.clips()[c].name, maxima);
     all.append(maxima);
   }

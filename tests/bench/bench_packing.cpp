@@ -29,7 +29,7 @@
 #include "base/status.h"
 #include "base/surface.h"
 #include "best_fit.h"
-#include "maxima_counts.h"
+#include "print_maxima.h"
 #include "runtime/evaluator.h"
 
 using namespace fb;
@@ -108,7 +108,7 @@ class Measurement {
     const double diagonal = rest.diagonal();
     std::vector<float> truth(size), predicted(size);
     double squares = 0, angles = 0;
-    bench::MaximaCounts maxima;
+    FrameMaxima maxima;
     for (std::size_t pose = 0; pose < poses_.size(); ++pose) {
       poses_.read_points(pose, 1, truth);
       predict(std::span(controls_).subspan(pose * width, width), truth, predicted);
@@ -122,12 +122,12 @@ class Measurement {
         most = std::max(most, square);
         angles += turned * turned;
       }
-      maxima.add(std::sqrt(most) / diagonal);
+      maxima.add(most / (diagonal * diagonal));
     }
     const double count = static_cast<double>(poses_.size() * vertices);
     std::printf("%-44s mse %.3e  normals %.3f degrees  ", what, squares / diagonal / diagonal / count,
                 std::sqrt(angles / count));
-    maxima.print(diagonal, poses_.source().schema().units);
+    bench::print_maxima(maxima, diagonal, poses_.source().schema().units);
   }
 
   void print(const char* what, const FaceModel& model) const {

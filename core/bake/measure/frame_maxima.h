@@ -15,7 +15,14 @@ class FrameMaxima {
     distances_.insert(distances_.end(), later.distances_.begin(), later.distances_.end());
   }
 
+  std::size_t frames() const { return distances_.size(); }
+  std::size_t above(double distance) const {
+    return static_cast<std::size_t>(
+        std::count_if(distances_.begin(), distances_.end(), [&](float value) { return value > distance; }));
+  }
+
   // Of no frames: 0.
+  double max() const { return distances_.empty() ? 0 : *std::max_element(distances_.begin(), distances_.end()); }
   double mean() const {
     double sum = 0;
     for (const float distance : distances_) sum += distance;
