@@ -140,7 +140,7 @@ PackOptions Precision::pack() const {
   PackOptions options;
   options.first_bits = options.hidden_bits = options.output_bits = weight_bits;
   options.basis_tolerance = 2 * scale;
-  options.drop = scale;
+  options.drop = 3.5 * scale;
   options.step = 8.0 / 3 * scale;
   options.step_lambda = 8;
   return options;

@@ -67,7 +67,7 @@ PackedRegion pack_region(const Region& region, const PackOptions& options) {
   return packed;
 }
 
-// Precision of a column in units of its values: tolerated rounding error, root mean square below which the column is
+// Precision of a column in units of its values: tolerated rounding error, largest value below which the column is
 // dropped, smallest quantisation step.
 struct ColumnPrecision {
   double rounding, drop, step;
@@ -98,10 +98,7 @@ PackedRowBlock pack_row_block(const RowBlock& group, const std::vector<ColumnPre
     const auto first = group.values.begin() + c * group.row_count;
     std::vector<float> values(first, first + group.row_count);
     const float most = magnitude(values.data(), values.size());
-    double squares = 0;
-    for (const float value : values) squares += double(value) * value;
-    if (most < least || most < precision.step / 2) continue;
-    if (squares < precision.drop * precision.drop * static_cast<double>(values.size())) continue;
+    if (most < least || most < precision.step / 2 || most < precision.drop) continue;
     const bool wide = most / largest_narrow / 2 > precision.rounding;
     const float scale = append_rounded(values.data(), values.size(), wide ? largest_wide : largest_narrow,
                                        static_cast<float>(precision.step), packed.values);

@@ -16,8 +16,8 @@ struct PackOptions {
   // the diagonal D: columns whose error in 8 bits could be larger are wide (16 bits).
   double basis_tolerance = 1e-5;
   std::vector<float> coefficient_sizes;  // typical size of each coefficient, see BlockwiseModel; empty: 1
-  // Over D: columns that displace the coordinates of a row block less than this at the typical size (root mean square)
-  // are left out of it.
+  // Over D: columns that displace no coordinate of a row block this far at the typical size are left out of it. (A root
+  // mean square over the block would drop what moves a few vertices far: the worst vertex of a pose is one of those.)
   double drop = 0;
   // Over D: smallest quantisation step of the basis values when the coefficient has its typical size. One step for all
   // of a column codes best; values are then quantised by rate_distortion_quantise. 0: the finest steps of 8 or 16 bits.
