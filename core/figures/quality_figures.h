@@ -24,6 +24,9 @@ struct ContactErrors {
   double rms = 0, max = 0;            // of pairs; max: the largest absolute error
   double visible = visible_gap;       // what is seen
   std::size_t open = 0, deep = 0;     // pairs with an error above `visible`, and below -`visible`
+  // Of the vertices of the frames that were searched, those that touch something, and of the squared error there,
+  // theirs.
+  double vertex_share = 0, error_share = 0;
   // Where the largest absolute error is; the clip and the name of the place (FaceMap::name_of) in an EvalReport alone.
   std::string worst_clip = {}, worst_place = {};
   std::size_t worst_frame = 0;  // of worst_clip; without it, of all frames
@@ -41,6 +44,8 @@ void visit_fields(Visit& visit, Struct& contact) {
   visit("visible", contact.visible);
   visit("open", contact.open);
   visit("deep", contact.deep);
+  visit("vertex_share", contact.vertex_share);
+  visit("error_share", contact.error_share);
   visit.object_if("worst", contact.pairs > 0, [&](auto& worst) {
     worst("clip", contact.worst_clip);
     worst("frame", contact.worst_frame);

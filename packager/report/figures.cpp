@@ -33,14 +33,13 @@ std::string contact_text(const ContactErrors& contact) {
     return format("No surfaces touch in the %llu frames that were searched for contact.", count(contact.looked_at));
   return format(
       "Surfaces touch in %llu of %llu frames searched: in %llu pairs of places, whose gaps are off by %.1e of the "
-      "diagonal "
-      "rms, at most by %.1e (%s, in frame %llu of \"%s\" at vertex %llu, %s). %llu are further apart than in the rig "
-      "by more "
-      "than %.0e, and %llu further in each other.",
+      "diagonal rms, at most by %.1e (%s, in frame %llu of \"%s\" at vertex %llu, %s). %llu are further apart than in "
+      "the rig by more than %.0e, and %llu further in each other. Vertices that touch something are %.2g %% of all "
+      "there, and carry %.2g %% of the squared error.",
       count(contact.frames), count(contact.looked_at), count(contact.pairs), contact.rms, contact.max,
       contact.worst > 0 ? "apart" : "in each other", count(contact.worst_frame), contact.worst_clip.c_str(),
       count(contact.worst_vertex), contact.worst_place.c_str(), count(contact.open), contact.visible,
-      count(contact.deep));
+      count(contact.deep), 100 * contact.vertex_share, 100 * contact.error_share);
 }
 
 FaceFigures read_figures(const facebaker::Report& report) {

@@ -175,13 +175,14 @@ TEST_CASE("contact is told in words") {
   fb::ContactErrors contact;
   contact.looked_at = 250;
   CHECK(contact_text(contact) == "No surfaces touch in the 250 frames that were searched for contact.");
-  contact = {250, 120, 4000, 3e-4, 5e-3, 1e-3, 30, 7, "story", "mouth, lower left", 12, 614, -5e-3};
+  contact = {250, 120, 4000, 3e-4, 5e-3, 1e-3, 30, 7, 0.025, 0.4, "story", "mouth, lower left", 12, 614, -5e-3};
   const std::string text = contact_text(contact);
   CHECK(contains(text, "in 120 of 250 frames searched: in 4000 pairs"));
   CHECK(contains(text,
                  "off by 3.0e-04 of the diagonal rms, at most by 5.0e-03 (in each other, in frame 12 of \"story\" at "
                  "vertex 614, mouth, lower left)"));
   CHECK(contains(text, "30 are further apart than in the rig by more than 1e-03, and 7 further in each other"));
+  CHECK(contains(text, "are 2.5 % of all there, and carry 40 % of the squared error"));
   contact.worst = 5e-3;
   CHECK(contains(contact_text(contact), "(apart, in frame 12"));
 }
@@ -206,7 +207,8 @@ TEST_CASE("regions are named, listed with what moves them, and mapped in the col
   quality.regions = {{"a", "mouth, lower <left>", {"jaw", "smile"}, 10, 3e-6, 0.01},
                      {"b", "brow, upper right", {}, 5, 1e-6, 0.01}};
   for (std::size_t v = 0; v < quality.vertex_region.size(); ++v) quality.vertex_region[v] = static_cast<std::uint32_t>(v % 2);
-  quality.contact = {1, 1, 10, 1e-3, 2e-3, 1e-3, 3, 0, figures.methods[0].independent.clips.at(0).name, "lids", 0, 5, 2e-3};
+  quality.contact = {1,      1, 10, 1e-3, 2e-3, 1e-3, 3, 0, 0.1, 0.5, figures.methods[0].independent.clips.at(0).name,
+                     "lids", 0, 5,  2e-3};
   const OutputLock lock = claim_report_folder(report);
   write_face_report(report, {"title", "measured", figures, source}, {}, silent_progress());
   const std::string page = text_of(report + "/index.html");

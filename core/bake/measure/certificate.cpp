@@ -88,7 +88,9 @@ Json independent_errors(const EvalReport& report) {
                      {"rms", rounded(contact.rms)},
                      {"max", rounded(contact.max)},
                      {"open", contact.open},
-                     {"deep", contact.deep}};
+                     {"deep", contact.deep},
+                     {"vertex_share", rounded(contact.vertex_share)},
+                     {"error_share", rounded(contact.error_share)}};
   return json;
 }
 

@@ -314,7 +314,12 @@ std::vector<TouchingPair> ContactFinder::touching(std::span<const float> points,
 
 void ContactSums::add_frame(std::size_t frame, std::span<const TouchingPair> pairs, std::span<const float> error) {
   const auto error_at = [&](std::uint32_t v) { return vector_at(error.data(), v); };
+  const auto square_at = [&](std::uint32_t v) { return double(dot(error_at(v), error_at(v))); };
+  const auto vertices = static_cast<std::uint32_t>(error.size() / 3);
+  for (std::uint32_t v = 0; v < vertices; ++v) all_squares_ += square_at(v);
+  vertices_ += vertices;
   for (const TouchingPair& pair : pairs) {
+    touching_squares_ += square_at(pair.vertex);
     const double gap = dot(error_at(pair.vertex) - at_weights(pair, error_at), pair.direction);
     squares_ += gap * gap;
     errors_.open += gap > visible_gap;
@@ -332,6 +337,9 @@ void ContactSums::add_frame(std::size_t frame, std::span<const TouchingPair> pai
 
 void ContactSums::append(const ContactSums& later, std::size_t first_frame) {
   squares_ += later.squares_;
+  touching_squares_ += later.touching_squares_;
+  all_squares_ += later.all_squares_;
+  vertices_ += later.vertices_;
   errors_.looked_at += later.errors_.looked_at;
   errors_.frames += later.errors_.frames;
   errors_.pairs += later.errors_.pairs;
@@ -346,7 +354,11 @@ void ContactSums::append(const ContactSums& later, std::size_t first_frame) {
 
 ContactErrors ContactSums::figures() const {
   ContactErrors figures = errors_;
-  if (figures.pairs > 0) figures.rms = std::sqrt(squares_ / static_cast<double>(figures.pairs));
+  if (figures.pairs > 0) {
+    figures.rms = std::sqrt(squares_ / static_cast<double>(figures.pairs));
+    figures.vertex_share = static_cast<double>(figures.pairs) / static_cast<double>(vertices_);
+  }
+  if (all_squares_ > 0) figures.error_share = touching_squares_ / all_squares_;
   return figures;
 }
 

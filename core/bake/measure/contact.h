@@ -77,7 +77,9 @@ class ContactSums {
   ContactErrors figures() const;
 
  private:
-  double squares_ = 0;
+  double squares_ = 0;                             // of gaps
+  double touching_squares_ = 0, all_squares_ = 0;  // of distances: of vertices that touch something, and of all
+  std::size_t vertices_ = 0;                       // of all frames
   ContactErrors errors_;
 };
 

@@ -147,6 +147,10 @@ TEST_CASE("a vertex touches the nearest point of a triangle, also between its co
   CHECK(figures.max == doctest::Approx(0.1 / rest.diagonal()).epsilon(1e-4));
   CHECK(figures.open > 1);
   CHECK(figures.deep == 0);
+  CHECK(figures.vertex_share == doctest::Approx(double(pairs.size()) / all));
+  CHECK(figures.error_share == doctest::Approx(1));
+  predicted[0] += 0.1f;  // at the border, where nothing touches
+  CHECK(errors(rest, truth, predicted).error_share == doctest::Approx(0.5).epsilon(1e-4));
 }
 
 TEST_CASE("a sheet that is folded touches itself, but not along the fold") {
@@ -270,6 +274,8 @@ TEST_CASE("sums joined in order are the sums of all frames") {
   CHECK(a.pairs == b.pairs);
   CHECK(a.open == b.open);
   CHECK(a.rms == doctest::Approx(b.rms));
+  CHECK(a.vertex_share == doctest::Approx(b.vertex_share));
+  CHECK(a.error_share == doctest::Approx(b.error_share));
 }
 
 TEST_CASE("the certificate states contact, and is read without it") {
@@ -288,6 +294,7 @@ TEST_CASE("the certificate states contact, and is read without it") {
   CHECK(contact.at("deep") == figures.deep);
   CHECK(contact.at("rms") == doctest::Approx(figures.rms).epsilon(1e-5));
   CHECK(contact.at("max") == doctest::Approx(figures.max).epsilon(1e-5));
+  CHECK(contact.at("error_share") == doctest::Approx(figures.error_share).epsilon(1e-5));
   nlohmann::json old = nlohmann::json::parse(text);
   old.at("independent").erase("contact");
   REQUIRE(certified_errors(old.dump()));
