@@ -1,6 +1,7 @@
 // bench_frame_maxima ARCHIVE RIG [SEED]: the worst vertex of every frame of the rig's own test clips, of poses and
 // shots drawn with a seed that no bake uses, and of sparse poses, of two to eight controls of one group. Over the
-// diagonal, the largest and the mean in the rig's units, too; and in which parts of the face most of them lie.
+// diagonal, the largest and the mean in the rig's units, too; in which parts of the face most of them lie; and how well
+// the face's expected errors tell which of the drawn frames those are.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -80,6 +81,22 @@ class Comparison {
     std::printf("\n");
   }
 
+  // Of the frames measured from the first-th on, how many with a worst vertex beyond `distance` are among those flagged
+  // where the expected error of the whole face is so large that 5 of 100 others are.
+  void print_flagged(std::size_t first, double distance) const {
+    std::vector<float> beyond, others;
+    for (std::size_t i = first; i < worst_.size(); ++i)
+      (worst_[i].distance > distance * rig_.diagonal() ? beyond : others).push_back(expected_[i]);
+    if (face_.error_count() == 0 || beyond.empty() || others.empty()) return;
+    const auto limit = others.begin() + std::ptrdiff_t(others.size() * 95 / 100);
+    std::nth_element(others.begin(), limit, others.end());
+    const auto flagged = std::ranges::count_if(beyond, [&](float expected) { return expected > *limit; });
+    std::printf("beyond %.2e: %zu of %zu drawn frames, of which expected errors flag %td with 5 %% of the others\n",
+                distance, beyond.size(), worst_.size() - first, flagged);
+  }
+
+  std::size_t measured() const { return worst_.size(); }
+
   FrameMaxima measure(std::span<const float> controls) {
     const std::size_t width = rig_.schema().control_count(), count = controls.size() / width;
     FrameMaxima maxima;
@@ -119,6 +136,9 @@ class Comparison {
     const FurthestVertex worst = furthest_vertex(predicted_, std::span(points, predicted_.size()));
     maxima.add(std::pow(worst.distance / rig_.diagonal(), 2));
     worst_.push_back(worst);
+    errors_.resize(face_.error_count());
+    if (!errors_.empty()) face_.expected_errors(controls.data(), errors_.data(), nullptr, work_);
+    expected_.push_back(errors_.empty() ? 0 : errors_[0]);
   }
 
   const runtime::Evaluator face_;
@@ -127,6 +147,7 @@ class Comparison {
   RigEvaluator& rig_;
   std::vector<float> predicted_;
   std::vector<FurthestVertex> worst_;  // of each frame
+  std::vector<float> errors_, expected_;  // of one frame; of the whole face in each frame
 };
 
 }  // namespace
@@ -149,9 +170,17 @@ int main(int argc, char** argv) try {
   face.print_parts();
   if (!rig.live()) return 0;
   const std::uint64_t seed = unused_seeds + (argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1);
-  for (const Clip& clip : make_test_poses(rig.schema(), seed, drawn))
-    face.print(clip.name, face.measure(clip.controls));
-  face.print("sparse", face.measure(sparse_poses(rig.schema(), seed)));
+  const std::size_t first = face.measured();
+  FrameMaxima of_drawn;
+  const auto measure_drawn = [&](const std::string& name, std::span<const float> controls) {
+    const FrameMaxima maxima = face.measure(controls);
+    face.print(name, maxima);
+    of_drawn.append(maxima);
+  };
+  for (const Clip& clip : make_test_poses(rig.schema(), seed, drawn)) measure_drawn(clip.name, clip.controls);
+  measure_drawn("sparse", sparse_poses(rig.schema(), seed));
+  face.print_flagged(first, 2 * of_drawn.mean());
+  face.print_flagged(first, 2 * of_drawn.p99());
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "bench_frame_maxima: %s\n", error.what());
