@@ -30,7 +30,7 @@ fb::bake::SamplingOptions options_of(const fb_sample_desc& desc, std::size_t con
   fb::bake::BakeOptions common;
   read_options(desc, "fb_sample_desc", common);
   fb::bake::SamplingOptions options;
-  options.poses = common.poses;
+  options.poses = fb::bake::poses_or_usual(common.poses, common.rig_budget);
   options.seed = common.seed;
   options.mix = common.mix;
   options.shots = desc.shots != 0;

@@ -66,6 +66,7 @@ enum class Stream : std::uint64_t {
   bench_network,
   // Numbered after those that there were, so that these draw as before.
   region_poses,
+  linear_probes,
 };
 
 inline Random open_stream(std::uint64_t seed, Stream use, std::uint64_t item = 0) {

@@ -202,7 +202,8 @@ void add_bake(Command tool) {
   app.add_option("--use", command->use, "variant: shots are not trained on; backlot: they are")
       .one_of({"variant", "backlot"})
       .shows_default();
-  add_poses(app, command->desc.poses, command->desc.rig_budget);
+  add_poses(app, command->desc.poses, command->desc.rig_budget,
+            "20000, or 2000 of a rig that is linear in its controls, as morph targets are");
   command->options.add_to(app, FB_OPTION_SAMPLING);
   add_poses_like(app, command->poses_like);
   app.add_option("--exact", command->exact,

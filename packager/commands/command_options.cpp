@@ -37,24 +37,19 @@ constexpr std::uint64_t most_poses = std::uint64_t{1} << 32;
 }  // namespace
 
 Option add_pose_count(Command command, std::uint64_t& poses, const char* what) {
-  return command.add_option("--poses", poses, what)
-      .between(std::uint64_t{1}, most_poses)
-      .type_name("N")
-      .shows_default();
+  return command.add_option("--poses", poses, what).between(std::uint64_t{1}, most_poses).type_name("N");
 }
 
-void add_poses(Command command, std::uint64_t& poses, std::uint64_t& rig_budget) {
-  const Option asked = add_pose_count(command, poses, "Training poses to sample from the rig");
+void add_poses(Command command, std::uint64_t& poses, std::uint64_t& rig_budget, const char* usual) {
+  add_pose_count(command, poses, format("Training poses to sample from the rig; by default %s", usual).c_str());
   command
-      .add_option("--rig-budget", rig_budget,
-                  "Different poses to ask of the rig at most in order to learn, at least the ends of all ranges; its "
-                  "own clips, tests "
-                  "and poses evaluated again do not count. --poses is reduced to that, and is all of it if not given")
+      .add_option(
+          "--rig-budget", rig_budget,
+          "Different poses to ask of the rig at most in order to learn, at least the ends of all ranges; its "
+          "own clips, tests and poses evaluated again do not count. --poses is reduced to that, and is all of it "
+          "if not given")
       .between(std::uint64_t{1}, most_poses)
       .type_name("N");
-  command.when_parsed([asked, &poses, &rig_budget] {
-    if (rig_budget > 0 && !asked.given()) poses = rig_budget;
-  });
 }
 
 void add_poses_like(Command command, std::vector<std::string>& files) {

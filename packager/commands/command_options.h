@@ -19,8 +19,8 @@ std::string whole_number(const std::string& word);
 void add_threads(Command command, Parallel& parallel);
 // --poses, a number of poses that is described by `what`.
 Option add_pose_count(Command command, std::uint64_t& poses, const char* what);
-// --poses and --rig-budget; without --poses, a budget sets poses too.
-void add_poses(Command command, std::uint64_t& poses, std::uint64_t& rig_budget);
+// --poses and --rig-budget. `usual`: how many poses there are by default.
+void add_poses(Command command, std::uint64_t& poses, std::uint64_t& rig_budget, const char* usual = "20000");
 // --poses-like: files of control curves.
 void add_poses_like(Command command, std::vector<std::string>& files);
 void add_sources(Command command, std::vector<std::string>& sources);

@@ -80,7 +80,8 @@ void add_plan(Command tool) {
          "rest mesh nor clips, or any source")
       .required();
   app.add_option("--out", command->out, "The dataset folder to write").type_name("DIR").required();
-  add_pose_count(app, command->desc.poses, "Poses to train on; a fifth, at most 2,000, come on top to measure on");
+  add_pose_count(app, command->desc.poses,
+                 "Poses to train on; by default 20000. A fifth, at most 2,000, come on top to measure on");
   add_library_option(app, "mix", command->mix);
   add_poses_like(app, command->poses_like);
   add_clip_files(app, command->clips);

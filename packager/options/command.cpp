@@ -111,10 +111,6 @@ void Command::footer(const std::string& text) const {
   app_->footer(text);
 }
 
-void Command::when_parsed(std::function<void()> complete) const {
-  app_->parse_complete_callback(std::move(complete));
-}
-
 void Command::when_called(std::function<void()> run) const {
   app_->callback(std::move(run));
 }

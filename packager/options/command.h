@@ -53,7 +53,6 @@ class Command {
   Option add_option(const std::string& name, Value& to, const std::string& what) const;
   Option add_flag(const std::string& name, bool& to, const std::string& what) const;
   void footer(const std::string& text) const;
-  void when_parsed(std::function<void()> complete) const;  // before the command runs
   void when_called(std::function<void()> run) const;
 
  private:

@@ -69,7 +69,7 @@ def sample(
     source: AnySource,
     folder: Place,
     *,
-    poses: int = 20_000,
+    poses: int = 0,
     seed: int = 1,
     mix: str = "dense",
     rig_budget: int = 0,
@@ -84,10 +84,10 @@ def sample(
     """Plans and evaluates training poses of a live source and writes them as a dataset folder, shard by shard; one begun
     with the same options is continued.
 
-    poses: new training poses. mix: how they are spread over the kinds, "dense" or "paper". rig_budget: different poses
-    asked for at most in order to learn; 0: no limit. shots: also the rig's own clips. clips: more clips to evaluate,
-    without positions. skip_failing: puts the rest pose in the place of drawn poses that fail. examples: files of control
-    curves near which poses are sampled."""
+    poses: new training poses; 0: 20,000, or all of rig_budget. mix: how they are spread over the kinds, "dense" or
+    "paper". rig_budget: different poses asked for at most in order to learn; 0: no limit. shots: also the rig's own
+    clips. clips: more clips to evaluate, without positions. skip_failing: puts the rest pose in the place of drawn poses
+    that fail. examples: files of control curves near which poses are sampled."""
     desc = library.filled(abi.fb_sample_desc)
     assign(desc, threads=threads, poses=poses, seed=seed, rig_budget=rig_budget)
     assign(desc, shots=shots, skip_failing=skip_failing)
@@ -100,7 +100,7 @@ def plan(
     source: AnySource,
     folder: Place,
     *,
-    poses: int = 20_000,
+    poses: int = 0,
     seed: int = 1,
     mix: str = "dense",
     shots: bool = True,
@@ -147,7 +147,7 @@ def bake(
     recipe: str = "hero",
     use: str = "backlot",
     epochs: int = 0,
-    poses: int = 20_000,
+    poses: int = 0,
     mix: str = "dense",
     rig_budget: int = 0,
     seed: int = 1,
@@ -179,14 +179,15 @@ def bake(
     source: a Rig, a Source, or what the tool takes: a dataset folder, a plugin, a glTF file, "exec:COMMAND",
     "sample". out: the .fbk to write. recipe: one of recipes(). use: "backlot" preserves a character whose shots
     exist, which are trained on; "variant" makes new ones. epochs: 0: the recipe's own. poses, mix, rig_budget,
-    skip_failing, examples: of a live source, as for sample. max_bytes: of the archive. max_error: largest distance of a
-    vertex, over the diagonal. force: write a face that meets none; else LimitError. measure: "quality" and "locality",
-    for the result. learning_curve: bake on parts of the poses too. licence: text. created: a date; None: the same seed
-    gives the same bytes. work: folder that keeps what resuming needs; None: beside the archive, removed at the end.
-    reuse: work folder of a bake of an earlier version of the rig. normal_weight: how much errors of normals count, 0 to
-    4. cache_bytes: of evaluations that are kept. about: fields about the character. thumbnail: a square PNG. exact:
-    poses that come out exactly, "CLIP:FRAME,...", "CLIP" or a file. level_shares: levels of detail by their share;
-    level_meshes: as files. threads: 0: all. more: options() that have no keyword here."""
+    skip_failing, examples: of a live source, as for sample; by default 2,000 poses of one that is linear in its
+    controls. max_bytes: of the archive. max_error: largest distance of a vertex, over the diagonal. force: write a
+    face that meets none; else LimitError. measure: "quality" and "locality", for the result. learning_curve: bake on
+    parts of the poses too. licence: text. created: a date; None: the same seed gives the same bytes. work: folder
+    that keeps what resuming needs; None: beside the archive, removed at the end. reuse: work folder of a bake of an
+    earlier version of the rig. normal_weight: how much errors of normals count, 0 to 4. cache_bytes: of evaluations
+    that are kept. about: fields about the character. thumbnail: a square PNG. exact: poses that come out exactly,
+    "CLIP:FRAME,...", "CLIP" or a file. level_shares: levels of detail by their share; level_meshes: as files.
+    threads: 0: all. more: options() that have no keyword here."""
     desc = library.filled(abi.fb_bake_desc)
     desc.options, desc.option_count = _named(more)
     desc.archive, desc.recipe, desc.mix = path_bytes(out), text_bytes(recipe), text_bytes(mix)
@@ -209,7 +210,7 @@ def compare(
     *,
     methods: Sequence[str] = ("linear", "paper-tuned", "hero"),
     epochs: int = 0,
-    poses: int = 20_000,
+    poses: int = 0,
     mix: str = "dense",
     rig_budget: int = 0,
     seed: int = 1,

@@ -149,7 +149,7 @@ typedef struct fb_sample_desc {
   uint32_t threads;         /**< at most 4,096; 0 (default): all */
   fb_source* source;        /**< a live one */
   const char* directory;    /**< the dataset folder to write; one begun with the same options is continued */
-  uint64_t poses;           /**< new training poses; default 20,000 */
+  uint64_t poses;           /**< new training poses; 0 (default): 20,000, or all of rig_budget */
   uint64_t seed;            /**< default 1 */
   const char* mix;          /**< how poses are spread over the kinds: "dense" (default) or "paper" */
   uint64_t rig_budget;      /**< different poses asked for at most in order to learn, at least the ends of all
@@ -311,7 +311,8 @@ typedef struct fb_bake_desc {
   const char* recipe;  /**< default "hero" */
   int32_t use;         /**< FB_USE_...; default FB_USE_BACKLOT */
   uint32_t epochs;     /**< passes over the training poses; 0 (default): the recipe's own */
-  uint64_t poses;      /**< sampled from a live source; default 20,000 */
+  uint64_t poses; /**< sampled from a live source; 0 (default): 20,000, or all of rig_budget, or 2,000 of a source that
+                     is linear in its controls, as morph targets are, if the recipe analyses rigs */
   const char* mix;     /**< of those: "dense" (default) or "paper" */
   uint64_t rig_budget; /**< different poses asked for at most in order to learn, see fb_sample_desc; measuring besides
                           the rig's own clips takes what is left. 0 (default): no limit */
@@ -391,7 +392,7 @@ typedef struct fb_compare_desc {
   const char* const* methods; /**< recipes; null (default): "linear", "paper-tuned", "hero" */
   uint32_t method_count;      /**< of methods */
   uint32_t epochs;            /**< passes over the training poses; 0 (default): each recipe's own */
-  uint64_t poses;             /**< sampled from a live source; default 20,000 */
+  uint64_t poses;             /**< sampled from a live source; 0 (default): 20,000, or all of rig_budget */
   const char* mix;            /**< of those: "dense" (default) or "paper" */
   uint64_t rig_budget;        /**< different poses asked for at most in order to learn, see fb_sample_desc; 0
                                  (default): no limit */

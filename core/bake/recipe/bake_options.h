@@ -32,7 +32,7 @@ struct BakeOptions {
   std::string recipe = "hero";  // see recipe_names()
   Use use = Use::backlot;
   std::uint64_t seed = 1;
-  std::uint64_t poses = 20000;  // sampled when the source is a live rig
+  std::uint64_t poses = 0;      // sampled when the source is a live rig; 0: see wanted_poses
   std::string mix = "dense";    // of those poses: "dense" or "paper"
   // Different poses asked of a live rig at most in order to learn, see SamplingOptions; `poses` is cut to that. 0: no
   // limit. A recipe finds here what is left for it, at least 1.
@@ -130,7 +130,10 @@ struct OptionRow {
 };
 
 inline constexpr OptionRow option_table[] = {
-    OptionRow("poses", &BakeOptions::poses, OptionRow::Part::sampling, "Training poses to sample from the rig")
+    OptionRow(
+        "poses", &BakeOptions::poses, OptionRow::Part::sampling,
+        "Training poses to sample from the rig; 0: all of a rig budget, or 20,000, or 2,000 of a rig that is linear in "
+        "its controls")
         .keeps_face(),
     OptionRow("rig_budget", &BakeOptions::rig_budget, OptionRow::Part::sampling,
               "Different poses to ask of the rig at most in order to learn; 0: any")

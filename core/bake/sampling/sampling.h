@@ -16,6 +16,12 @@ namespace fb::bake {
 inline constexpr const char* examples_clip = "like_examples";
 inline constexpr const char* round_clip = "chosen_";
 
+// The poses to draw where nobody says how many, as 0: all of a rig budget, else the usual number.
+constexpr std::uint64_t poses_or_usual(std::uint64_t poses, std::uint64_t rig_budget) {
+  constexpr std::uint64_t usual = 20000;
+  return poses > 0 ? poses : rig_budget > 0 ? rig_budget : usual;
+}
+
 struct SamplingOptions {
   std::uint64_t poses = 20000;  // new training poses; the rig's own clips, extra clips and test poses come on top
   std::uint64_t seed = 1;
