@@ -3,6 +3,7 @@
 #include "bake/documents.h"
 #include "bake/rig/json_field.h"
 #include "figures/json_fields.h"
+#include "figures/verdict.h"
 
 namespace fb::capi {
 namespace {
@@ -21,6 +22,14 @@ Json plan_of(const EvaluationPlan& plan) {
   return {{"pose_seconds", plan.pose_seconds},
           {"stages", std::move(stages)},
           {"disk_bytes", {{"sampled", plan.sampled_bytes}, {"kept", plan.kept_bytes}}}};
+}
+
+// Of clips that were not trained on, or else of poses held back; "" where there are neither.
+std::string verdict_of(const Baked& baked, const Source& source) {
+  if (baked.independent) return verdict_text(*baked.independent);
+  const Errors& held_back = baked.held_back.total;
+  if (held_back.frames == 0) return "";
+  return verdict_text(held_back, "poses held back", "", source.rest().diagonal(), source.schema().units);
 }
 
 }  // namespace
@@ -65,6 +74,7 @@ std::string bake_json(const std::string& archive, const Source& source, const Ba
   write("train_seconds", baked.train_seconds);
   write("units", source.schema().units);
   write("diagonal", source.rest().diagonal());
+  write("verdict", verdict_of(baked, source));
   write("independent", baked.independent ? std::optional(baked.independent->total) : std::nullopt);
   write("held_back", baked.held_back.total.frames > 0 ? std::optional(baked.held_back) : std::nullopt);
   write("quantisation", baked.quantisation);
@@ -82,6 +92,7 @@ std::string eval_json(const std::string& archive, const MethodReport& face) {
   write("archive", archive);
   write("units", report.units);
   write("diagonal", report.diagonal);
+  write("verdict", verdict_text(report));
   visit_clips(write, report);
   write("kinds", report.kinds);
   write("total", report.total);

@@ -21,7 +21,8 @@ ShownUnit shown_unit(const std::string& unit) {
 
 std::string length_text(double length, const std::string& unit) {
   const ShownUnit shown = shown_unit(unit);
-  return format("%.3g", shown.per_unit * length) + (unit.empty() ? "" : " " + shown.name);
+  const double value = shown.per_unit * length;
+  return format(value < 999.5 ? "%.3g" : "%.0f", value) + (unit.empty() ? "" : " " + shown.name);
 }
 
 }  // namespace fb

@@ -18,6 +18,7 @@ struct FrameOfClip {
   std::size_t clip = 0;  // in EvalReport::clips
   std::size_t frame = 0;
   FrameErrors errors;
+  std::string place = {};  // of the worst vertex, see FaceMap::name_of
 };
 
 template <class Visit, MaybeConst<FrameOfClip> Struct>
@@ -27,6 +28,7 @@ void visit_fields(Visit& visit, Struct& frame) {
   visit("mse", frame.errors.mse);
   visit("max", frame.errors.max);
   visit("vertex", frame.errors.worst_vertex);
+  visit("place", frame.place);
 }
 
 // Errors of a face on clips.

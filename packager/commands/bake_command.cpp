@@ -84,7 +84,8 @@ std::string bake_text(const std::string& document) {
     table.add({"exact poses, worst / diagonal", format("%.2e", exact.at("max").get<double>())});
   if (const nlohmann::json& again = figures.at("repeatability"); again.is_object())
     table.add({"rig evaluated again, worst / diagonal", format("%.2e", again.at("max").get<double>())});
-  std::string text = table.text();
+  const std::string verdict = figures.at("verdict");
+  std::string text = (verdict.empty() ? "" : verdict + "\n\n") + table.text();
   for (const nlohmann::json& warning : figures.at("warnings"))
     text += "\nWarning: " + warning.get<std::string>() + ".\n";
   return text;
@@ -138,7 +139,8 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
 
 void BakeCommand::run() {
   std::vector<std::string> notes;
-  const facebaker::Source source = rigs.open(sources, notes, desc.rig_budget);
+  const facebaker::Source source =
+      rigs.open(sources, notes, desc.rig_budget, desc.rig_budget > 0 ? 0 : drawn_test_poses);
   std::optional<OutputLock> lock;
   if (!report.empty()) lock = claim_report_folder(report);
   std::string figures;

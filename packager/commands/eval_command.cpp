@@ -9,6 +9,7 @@
 #include "commands/progress_bar.h"
 #include "commands/rig_options.h"
 #include "commands/view_line.h"
+#include "figures/verdict.h"
 #include "report/face_report.h"
 #include "report/table.h"
 
@@ -41,7 +42,7 @@ std::string eval_text(const FaceFigures& figures) {
   for (const ClipErrors& clip : face.independent.clips) add(clip.name, clip.kind, clip.split, clip.errors);
   add("total", "", "", face.independent.total);
   const std::string contact = face.independent.quality ? contact_text(face.independent.quality->contact) + "\n" : "";
-  return table.text() +
+  return verdict_text(face.independent) + "\n\n" + table.text() +
          format(
              "max, p99fm and mfm are of the worst vertices of frames: the largest, the 99th percentile and the mean. "
              "Errors without a unit are fractions of the rest mesh's diagonal, %g %s.\n",
@@ -50,8 +51,6 @@ std::string eval_text(const FaceFigures& figures) {
                 face.independent.bytes_read.mean, static_cast<unsigned long long>(face.independent.bytes_read.p95)) +
          contact + (face.independent.expectation ? expectation_text(*face.independent.expectation) + "\n" : "");
 }
-
-constexpr std::uint64_t drawn_poses = 500;  // where the rig has no clips
 
 // Whether a live source has clips, and none of split test.
 bool has_other_clips_alone(const facebaker::Source& source) {
@@ -78,7 +77,7 @@ void EvalCommand::run() {
   const facebaker::Archive face(archive);
   std::vector<std::string> notes;
   const bool chosen = !split.empty();
-  const facebaker::Source source = rigs.open(sources, notes, 0, chosen ? 0 : drawn_poses);
+  const facebaker::Source source = rigs.open(sources, notes, 0, chosen ? 0 : drawn_test_poses);
   if (!chosen) split = "test";
   if (!chosen && has_other_clips_alone(source)) {
     split = "all";

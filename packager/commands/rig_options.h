@@ -11,9 +11,11 @@
 
 namespace fb::tool {
 
+// Poses that a face is measured on where its rig has no clips of its own.
+inline constexpr std::uint64_t drawn_test_poses = 500;
+
 // How commands open sources: --joints, --control-joint and --skip-broken of glTF files; for rigs that may be slow,
-// crash or hang
-// --isolate, --workers, --rig-timeout; and, for commands that read clips of rigs, --clip-budget.
+// crash or hang --isolate, --workers, --rig-timeout; and, for commands that read clips of rigs, --clip-budget.
 struct RigOptions {
   void add_to(Command command);
   void add_clip_budget_to(Command command);

@@ -6,6 +6,7 @@
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "report/html.h"
+#include "report/report_pictures.h"
 #include "report/report_view.h"
 
 namespace fb::tool {
@@ -34,18 +35,26 @@ OutputLock claim_report_folder(const std::filesystem::path& folder) {
 }
 
 std::string measured_on(const FaceFigures& figures) {
-  return figures.measured_split ? "Measured on the clips of the split " + *figures.measured_split + "."
-                                : "Not measured: there is no clip of the splits test and validation.";
+  if (!figures.measured_split) return "Not measured: there is no clip of the splits test and validation.";
+  constexpr std::size_t most_named = 4;
+  const std::vector<ClipErrors>& clips = figures.methods.at(0).independent.clips;
+  std::string names;
+  for (std::size_t c = 0; c < std::min(clips.size(), most_named); ++c) names += (c ? ", " : "") + clips[c].name;
+  if (clips.size() > most_named) names += format(" and %zu more", clips.size() - most_named);
+  return "Measured on the clips of the split " + *figures.measured_split + ": " + names + ".";
 }
 
 void write_face_report(const std::filesystem::path& folder, const FaceReport& report, const Parallel& parallel,
                        Progress& progress) {
   const ReportView view(report.figures);
   Html page(report.title);
-  add_summary(page, view, report);
-  add_viewer(page, report);
+  ReportPictures pictures(view, report.source, folder, parallel, progress);
+  add_verdict(page, view, report);
+  pictures.add_worst(page);
   add_advice(page, view);
-  add_pictures(page, view, report.source, folder, parallel, progress);
+  add_viewer(page, report);
+  add_summary(page, view);
+  pictures.add_sections(page);
   add_errors_over_time(page, view);
   add_expectation(page, view);
   add_methods(page, view);

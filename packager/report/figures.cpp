@@ -48,6 +48,8 @@ FaceFigures read_figures(const facebaker::Report& report) {
   FieldReader reader(json);
   visit_fields(reader, figures);
   for (std::size_t m = 0; m < figures.methods.size(); ++m) {
+    figures.methods[m].independent.units = figures.units;
+    figures.methods[m].independent.diagonal = figures.diagonal;
     const fb_method found = report.method(static_cast<std::uint32_t>(m));
     const auto* const bytes = static_cast<const std::byte*>(found.archive);
     figures.methods[m].archive.assign(bytes, bytes + found.archive_bytes);

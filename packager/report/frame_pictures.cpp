@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/length_units.h"
 #include "base/status.h"
 #include "render/png_file.h"
 
@@ -93,9 +94,10 @@ FramePictures::FramePictures(const ReportView& view, const facebaker::SourceView
   for (const PosedFrame& frame : frames)
     for (const std::vector<float>& posed : frame.posed)
       largest_error = std::max(largest_error, renderer_.difference(frame.truth, posed).max);
+  const ShownUnit unit = shown_unit(view.figures().units);
   bar_ = {{round_scale(static_cast<float>(std::max(largest_error, least_end))), true},
-          view.figures().diagonal,
-          view.figures().units};
+          view.figures().diagonal * unit.per_unit,
+          unit.name};
 }
 
 std::string FramePictures::write_comparison(const std::string& file, const PosedFrame& frame) const {

@@ -20,6 +20,9 @@ body { margin: 0 auto; padding: 1.5rem 2rem 4rem; max-width: 78rem; background: 
   font: 16px/1.5 system-ui, sans-serif; }
 h1 { font-size: 1.7rem; margin: 0 0 .5rem; } h2 { font-size: 1.3rem; margin: 2.6rem 0 .6rem; border-bottom: 1px solid var(--line); }
 h3 { font-size: 1.05rem; margin: 1.6rem 0 .4rem; } p { max-width: 50rem; margin: .5rem 0; }
+.lead { font-size: 1.25rem; max-width: 60rem; } summary { cursor: pointer; } summary h2 { display: inline-block; margin: .5rem 0 .3rem; border: 0; }
+details { border-bottom: 1px solid var(--line); } details[open] { padding-bottom: 1.5rem; } h2 + * { margin-top: 0; }
+@media print { details::details-content { content-visibility: visible; display: block; height: auto; } }
 nav { font-size: .9rem; } nav a { margin-right: 1rem; white-space: nowrap; } a { color: var(--c2); }
 .wide { overflow-x: auto; } table { border-collapse: collapse; margin: .6rem 0; font-size: .9rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .2rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
@@ -90,10 +93,31 @@ std::string escape_html(std::string_view text) {
   return escaped;
 }
 
-void Html::heading(std::string_view text) {
+void Html::end_section() {
+  if (folded_) body_ += "</details>\n";
+  folded_ = false;
+}
+
+std::string Html::next_section(std::string_view heading) {
+  end_section();
   const std::string id = format("s%d", ++headings_);
-  contents_ += "<a href=\"#" + id + "\">" + escape_html(text) + "</a>\n";
+  contents_ += "<a href=\"#" + id + "\">" + escape_html(heading) + "</a>\n";
+  return id;
+}
+
+void Html::heading(std::string_view text) {
+  const std::string id = next_section(text);
   body_ += "<h2 id=\"" + id + "\">" + escape_html(text) + "</h2>\n";
+}
+
+void Html::folded_heading(std::string_view text) {
+  const std::string id = next_section(text);
+  body_ += "<details id=\"" + id + "\"><summary><h2>" + escape_html(text) + "</h2></summary>\n";
+  folded_ = true;
+}
+
+void Html::lead(std::string_view text) {
+  body_ += "<p class=\"lead\">" + escape_html(text) + "</p>\n";
 }
 
 void Html::subheading(std::string_view text) {
@@ -171,7 +195,7 @@ void Html::picture(const std::string& file, std::string_view caption) {
 }
 
 void Html::explain() {
-  heading("Figures explained");
+  folded_heading("Figures explained");
   body_ += "<dl>\n";
   for (const auto& [name, words] : glossary())
     body_ += "<dt>" + escape_html(name) + "</dt><dd>" + escape_html(words) + "</dd>\n";
@@ -182,8 +206,8 @@ std::string Html::page() const {
   return std::string(report_mark) +
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escape_html(title_) +
          "</title>\n" + std::string(style) + "</head>\n<body>\n<header><h1>" + escape_html(title_) +
-         "</h1>\n<nav aria-label=\"Contents\">" + contents_ + "</nav></header>\n<main>\n" + body_ + popovers() +
-         "</main>\n</body>\n</html>\n";
+         "</h1>\n<nav aria-label=\"Contents\">" + contents_ + "</nav></header>\n<main>\n" + body_ +
+         (folded_ ? "</details>\n" : "") + popovers() + "</main>\n</body>\n</html>\n";
 }
 
 }  // namespace fb::tool

@@ -18,6 +18,10 @@ class Html {
   explicit Html(std::string title) : title_(std::move(title)) {}
 
   void heading(std::string_view text);  // also an entry of the table of contents
+  // A heading whose section, up to the next heading, is shown where the heading is clicked, and in print.
+  void folded_heading(std::string_view text);
+  // What the page says first, in larger letters.
+  void lead(std::string_view text);
   void subheading(std::string_view text);
   void paragraph(std::string_view text);
   void preformatted(std::string_view text);
@@ -42,8 +46,12 @@ class Html {
   std::string explained(std::string_view name);
   std::string popovers() const;
 
+  std::string next_section(std::string_view heading);  // returns its id
+  void end_section();
+
   std::string title_, contents_, body_;
   int headings_ = 0;
+  bool folded_ = false;              // in a section that is
   std::set<std::size_t> explained_;  // entries of the glossary
 };
 

@@ -80,7 +80,7 @@ void add_errors_over_time(Html& page, const ReportView& view) {
   // Shots first: their frames follow each other in time.
   std::stable_partition(shown.begin(), shown.end(), [&](std::size_t c) { return clips[c].kind == "shot"; });
   if (shown.empty()) return;
-  page.heading("Error over time");
+  page.folded_heading("Error over time");
   const std::size_t all = shown.size();
   shown.resize(std::min(all, clips_shown));
   if (all > shown.size()) page.paragraph(format("The first %zu of %zu clips, shots first.", shown.size(), all));
@@ -97,7 +97,7 @@ void add_training(Html& page, const ReportView& view) {
   const bool curves =
       std::any_of(stats.regions.begin(), stats.regions.end(), [](const auto& r) { return !r.epochs.empty(); });
   if (!curves && stats.regions.empty() && stats.learning.empty() && stats.coverage.empty()) return;
-  page.heading("Training of " + view.label(view.ours()));
+  page.folded_heading("Training of " + view.label(view.ours()));
   add_training_curves(page, stats);
   add_network_table(page, stats);
   if (!stats.learning.empty()) {

@@ -59,7 +59,7 @@ void add_expectation(Html& page, const ReportView& view) {
   const std::vector<FramePair> pairs = frame_pairs(view.ours());
   if (!view.ours().independent.expectation || pairs.empty()) return;
   const Expectation& expected = *view.ours().independent.expectation;
-  page.heading("Expected error");
+  page.folded_heading("Expected error");
   page.paragraph(format(
       "What the face itself expects of each frame, before anything is measured: for %llu frames of shots that were not "
       "trained on, the rank correlation with the measured error is %.2f, and %.1f %% of them are within a factor of "

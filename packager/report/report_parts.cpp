@@ -141,7 +141,7 @@ void add_controls(Html& page, const ReportView& view) {
 
 void add_parts(Html& page, const ReportView& view, const FramePictures& pictures) {
   if (!view.ours().independent.quality) return;
-  page.heading("Error by region and by control");
+  page.folded_heading("Error by region and by control");
   add_regions(page, view, pictures);
   add_controls(page, view);
 }

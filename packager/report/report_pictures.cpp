@@ -1,10 +1,10 @@
 // The sections of pictures: the paper's Figures 1 and 3, the worst frames, and errors over the face.
 #include <algorithm>
+#include <span>
 
 #include "base/status.h"
 #include "render/montage.h"
-#include "report/frame_pictures.h"
-#include "report/report_view.h"
+#include "report/report_pictures.h"
 
 namespace fb::tool {
 namespace {
@@ -130,21 +130,24 @@ void add_scale(Html& page, const FramePictures& pictures) {
 void add_figure_1(Html& page, const std::vector<PosedFrame>& frames, const FramePictures& pictures) {
   for (const PosedFrame& frame : frames) {
     const std::string errors = pictures.write_comparison("figure_1.png", frame);
-    page.heading("Figure 1: against linear blendshapes");
+    page.folded_heading("Figure 1: against linear blendshapes");
     page.picture("figure_1.png", "The frame in which linear blendshapes are furthest off: " + frame.name +
                                      ". From the left: the true rig, ours, linear blendshapes; then their errors. " +
                                      errors);
   }
 }
 
-// Pictures of frames with their captions: name.png, name_2.png...
-void add_frames(Html& page, const std::vector<PosedFrame>& frames, const FramePictures& pictures,
-                const std::string& first, const std::string& name, Progress& progress, const char* stage) {
+void add_frame(Html& page, const PosedFrame& frame, const FramePictures& pictures, const std::string& file) {
+  const std::string errors = pictures.write_comparison(file, frame);
+  page.picture(file, frame.name + ". " + errors);
+}
+
+// Pictures of frames with their captions: name_FIRST.png and so on.
+void add_frames(Html& page, std::span<const PosedFrame> frames, const FramePictures& pictures, const std::string& name,
+                std::size_t first, Progress& progress, const char* stage) {
   progress.begin(Phase::writing, stage, frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const std::string file = i == 0 ? first + ".png" : format("%s_%zu.png", name.c_str(), i + 1);
-    const std::string errors = pictures.write_comparison(file, frames[i]);
-    page.picture(file, frames[i].name + ". " + errors);
+    add_frame(page, frames[i], pictures, format("%s_%zu.png", name.c_str(), first + i));
     progress.step(i + 1);
   }
 }
@@ -158,7 +161,7 @@ void add_error_maps(Html& page, const ReportView& view, const FramePictures& pic
   if (panels.empty()) return;
   panels.back().bar = pictures.bar();
   pictures.write("error_map.png", make_montage(panels));
-  page.heading("Error over the face");
+  page.folded_heading("Error over the face");
   page.picture("error_map.png",
                "Root mean square error of each vertex over all measured frames, as a fraction of the diagonal, in the "
                "colours of all pictures of this page.");
@@ -166,43 +169,51 @@ void add_error_maps(Html& page, const ReportView& view, const FramePictures& pic
 
 }  // namespace
 
-void add_pictures(Html& page, const ReportView& view, const facebaker::SourceView& source,
-                  const std::filesystem::path& folder, const Parallel& parallel, Progress& progress) {
+ReportPictures::ReportPictures(const ReportView& view, const facebaker::SourceView& source,
+                               const std::filesystem::path& folder, const Parallel& parallel, Progress& progress)
+    : view_(view), progress_(progress) {
   if (!view.measured()) return;
   FrameReader reader(source);
   std::vector<const MethodReport*> faces = {&view.ours()};
   if (view.backlot()) faces.push_back(view.backlot());
-  const std::vector<PosedFrame> figure_1 = read_figure_1(reader, view),
-                                expressive =
-                                    read_all(reader, pick_expressive(source, view.ours().independent.clips), faces),
-                                worst = read_all(reader, worst_frames_of(reader, view.ours()), {&view.ours()});
-  const std::vector<PosedFrame> contact = read_contact(reader, view);
-  std::vector<PosedFrame> all = figure_1;
-  all.insert(all.end(), contact.begin(), contact.end());
-  all.insert(all.end(), expressive.begin(), expressive.end());
-  all.insert(all.end(), worst.begin(), worst.end());
+  figure_1_ = read_figure_1(reader, view);
+  expressive_ = read_all(reader, pick_expressive(source, view.ours().independent.clips), faces);
+  worst_ = read_all(reader, worst_frames_of(reader, view.ours()), {&view.ours()});
+  contact_ = read_contact(reader, view);
+  std::vector<PosedFrame> all;
+  for (const std::vector<PosedFrame>* frames : {&figure_1_, &contact_, &expressive_, &worst_})
+    all.insert(all.end(), frames->begin(), frames->end());
   float largest = 0;
   for (const MethodReport* method : mapped_methods(view)) largest = std::max(largest, largest_rms(*method));
-  const FramePictures pictures(view, source, all, largest, folder, parallel);
+  pictures_.emplace(view, source, all, largest, folder, parallel);
+}
 
-  add_parts(page, view, pictures);
-  page.heading("Worst frames of " + view.label(view.ours()));
+void ReportPictures::add_worst(Html& page) const {
+  if (!worst_.empty()) add_frame(page, worst_.front(), *pictures_, "worst.png");
+}
+
+void ReportPictures::add_sections(Html& page) const {
+  if (!pictures_) return;
+  add_parts(page, view_, *pictures_);
+  page.folded_heading("Worst frames of " + view_.label(view_.ours()));
   page.paragraph(
-      "The frames with the largest error of a vertex that differ from each other: at least 12 frames apart, and poses "
-      "further apart than half the way from rest to the farther one. First those whose worst vertices lie at least 5 % "
-      "of the diagonal apart.");
-  add_scale(page, pictures);
-  add_frames(page, worst, pictures, "worst", "worst", progress, "drawing worst frames");
-  if (!contact.empty()) {
+      "The frames with the largest error of a vertex that differ from each other, behind the first, which is above: at "
+      "least 12 frames apart, and poses further apart than half the way from rest to the farther one. First those "
+      "whose "
+      "worst vertices lie at least 5 % of the diagonal apart.");
+  add_scale(page, *pictures_);
+  add_frames(page, std::span(worst_).subspan(std::min<std::size_t>(1, worst_.size())), *pictures_, "worst", 2,
+             progress_, "drawing worst frames");
+  if (!contact_.empty()) {
     page.subheading("Worst contact");
-    page.paragraph(contact_text(view.ours().independent.quality->contact));
-    add_frames(page, contact, pictures, "contact", "contact", progress, "drawing worst contact");
+    page.paragraph(contact_text(view_.ours().independent.quality->contact));
+    add_frame(page, contact_.front(), *pictures_, "contact.png");
   }
-  add_error_maps(page, view, pictures);
-  add_figure_1(page, figure_1, pictures);
-  page.heading("Figure 3: posed faces");
+  add_error_maps(page, view_, *pictures_);
+  add_figure_1(page, figure_1_, *pictures_);
+  page.folded_heading("Figure 3: posed faces");
   page.paragraph("Measured frames that are far from rest and from each other, whatever their errors.");
-  add_frames(page, expressive, pictures, "figure_3_1", "figure_3", progress, "drawing posed faces");
+  add_frames(page, expressive_, *pictures_, "figure_3", 1, progress_, "drawing posed faces");
 }
 
 }  // namespace fb::tool

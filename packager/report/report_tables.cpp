@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/status.h"
+#include "figures/verdict.h"
 #include "report/plot.h"
 #include "report/report_view.h"
 
@@ -70,13 +71,18 @@ void add_kinds(Html& page, const ReportView& view) {
 
 }  // namespace
 
-void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
+void add_verdict(Html& page, const ReportView& view, const FaceReport& report) {
+  if (view.measured()) page.lead(verdict_text(view.ours().independent));
+  page.paragraph(report.measured_on);
+}
+
+void add_summary(Html& page, const ReportView& view) {
   const MethodReport& ours = view.ours();
+  page.folded_heading("Figures");
   page.paragraph(
       format("Errors are distances between a vertex and its position in the true rig, as fractions of the "
              "diagonal D of the rest mesh's bounding box: %.4g %s.",
              view.figures().diagonal, view.figures().units.c_str()));
-  page.paragraph(report.measured_on);
   Rows rows = {{view.label(ours), "value"}};
   if (view.measured()) {
     const Errors& e = ours.independent.total;
@@ -103,7 +109,7 @@ void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
 
 void add_table_1(Html& page, const ReportView& view) {
   if (!view.measured()) return;
-  page.heading("Table 1");
+  page.folded_heading("Table 1");
   page.paragraph(
       "The paper's Table 1 (FaceBaker, SIGGRAPH 2020 Talks) and the same figures of this face. Bob and Helen "
       "are the paper's own characters, with about 6,000 vertices and 500 controls, on the paper's own shots: "
@@ -137,7 +143,10 @@ void add_table_1(Html& page, const ReportView& view) {
 
 void add_methods(Html& page, const ReportView& view) {
   if (!view.measured()) return;
-  page.heading(view.methods().size() > 1 ? "All methods" : "Errors by clip");
+  if (view.methods().size() > 1)
+    page.heading("All methods");
+  else
+    page.folded_heading("Errors by clip");
   if (view.methods().size() > 1) {
     Rows rows = {{"method"}};
     for (const ToldFigure& figure : told_figures) rows[0].push_back(figure.name);
@@ -177,7 +186,7 @@ void add_methods(Html& page, const ReportView& view) {
 
 void add_smoothness(Html& page, const ReportView& view) {
   if (!view.measured() || !view.ours().independent.quality) return;
-  page.heading("Smoothness and contact");
+  page.folded_heading("Smoothness and contact");
   page.paragraph(
       "Normals: degrees between the area-weighted vertex normals of the rig and of the method. Jitter: root mean "
       "square of the second difference in time of the error, over consecutive frames of shots. Jump: root mean "
@@ -208,7 +217,7 @@ void add_smoothness(Html& page, const ReportView& view) {
 
 void add_locality(Html& page, const ReportView& view) {
   const auto measured = [](const MethodReport& m) { return m.locality.has_value(); };
-  page.heading("Locality");
+  page.folded_heading("Locality");
   if (std::none_of(view.methods().begin(), view.methods().end(), measured)) {
     page.paragraph(
         "Not measured: whether a control moves vertices that it does not move in the rig shows on a live rig, or on "
@@ -245,7 +254,7 @@ void add_locality(Html& page, const ReportView& view) {
 void add_calls(Html& page, const ReportView& view) {
   const std::vector<StageCalls>& calls = view.figures().asked_by_stage;
   if (calls.empty()) return;
-  page.heading("What the rig was asked");
+  page.folded_heading("What the rig was asked");
   Rows rows = {{"stage", "poses asked to learn", "poses evaluated now", "seconds"}};
   for (const StageCalls& stage : calls)
     rows.push_back(
@@ -254,7 +263,7 @@ void add_calls(Html& page, const ReportView& view) {
 }
 
 void add_sizes(Html& page, const ReportView& view) {
-  page.heading("Size");
+  page.folded_heading("Size");
   const MethodReport& ours = view.ours();
   const facebaker::Archive archive(ours.archive.data(), ours.archive.size(), ours.name);
   page.paragraph(format("The archive of %s has %s.", view.label(ours).c_str(),

@@ -48,15 +48,13 @@ bool is_advice(const std::string& note);
 
 class FramePictures;
 
-// Sections, in the order of the page; each leaves out what was not measured.
+// Sections, in the order of the page; each leaves out what was not measured. All behind advice and viewer are folded.
+void add_verdict(Html& page, const ReportView& view, const FaceReport& report);
 void add_advice(Html& page, const ReportView& view);
-void add_summary(Html& page, const ReportView& view, const FaceReport& report);
 // How to see the face move, in the browser.
 void add_viewer(Html& page, const FaceReport& report);
+void add_summary(Html& page, const ReportView& view);
 void add_table_1(Html& page, const ReportView& view);
-// Regions and controls, worst frames, error maps, Figures 1 and 3 of the paper; pictures are written into `folder`.
-void add_pictures(Html& page, const ReportView& view, const facebaker::SourceView& source,
-                  const std::filesystem::path& folder, const Parallel& parallel, Progress& progress);
 void add_parts(Html& page, const ReportView& view, const FramePictures& pictures);
 void add_errors_over_time(Html& page, const ReportView& view);
 // Expected errors beside measured ones.

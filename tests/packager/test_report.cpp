@@ -114,6 +114,11 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
                               "learning curve: ", "Coverage", "Locality", "Size", "1.54e-3"})
     CHECK_MESSAGE(contains(page, section), section);
   CHECK(page.find("<script") == std::string::npos);
+  // The verdict and a picture come first; sections behind the advice are folded.
+  const std::size_t verdict = page.find("<p class=\"lead\">Worst vertex of "), picture = page.find("\"worst.png\""),
+                    advice = page.find(">What to do</h2>"), folded = page.find("<details ");
+  CHECK((verdict < picture && picture < advice && advice < folded && folded != std::string::npos));
+  CHECK(contains(page, "<summary><h2>Table 1</h2></summary>"));
   CHECK(unbalanced(page) == std::vector<std::string>{});
   for (const char* section : {"What to do", "No surfaces touch in the", "By control", "By kind of clip",
                               "Figures explained", "Colours mean the same in all pictures", "error_map.png"})
@@ -157,6 +162,8 @@ TEST_CASE("a recording is measured on its single poses, and bars and pictures ca
   const ToolRun run = run_tool({"eval", face, data, "--split", "all", "--report", report, "--json", "-"});
   CAPTURE(run.err);
   REQUIRE(run.exit_code == 0);
+  CHECK(contains(Json::parse(run.out).at("verdict"), "Worst vertex of "));
+  CHECK(contains(Json::parse(run.out).at("verdict"), "frame "));
   const Json locality = Json::parse(run.out).at("locality");
   CHECK(locality.at("recorded_poses") > 0);
   CHECK(locality.at("controls") > 0);

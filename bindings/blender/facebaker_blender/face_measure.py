@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 Array = Any  # of NumPy
 
+_MILLIMETRES = {"m": 1000.0, "dm": 100.0, "cm": 10.0, "mm": 1.0, "in": 25.4, "inch": 25.4, "ft": 304.8}  # of a unit
+
 
 @dataclass
 class PoseErrors:
@@ -57,11 +59,17 @@ class FaceMeasure:
     def document(self) -> Dict[str, Any]:
         return {**asdict(self), "times_faster": self.times_faster, "times_cheaper": self.times_cheaper}
 
+    def _worst(self, errors: PoseErrors) -> str:
+        """How far the worst vertex is off, in millimetres where the units are known."""
+        millimetres = _MILLIMETRES.get(self.units)
+        length = errors.max * self.diagonal * (millimetres or 1)
+        return f"worst vertex off by {length:.2g} {'mm' if millimetres else self.units or 'units'}"
+
     def lines(self) -> List[str]:
         """For people."""
         lines = []
         for errors in self.errors:
-            line = f"{errors.name}: {errors.poses} poses, mse {errors.mse:.2e}, max {errors.max:.2e}"
+            line = f"{errors.name}: {errors.poses} poses, {self._worst(errors)}, {errors.max:.2e}, mse {errors.mse:.2e}"
             if errors.linear_mse is not None and errors.mse > 0:
                 line += f"; linear blendshapes {errors.linear_mse:.2e}, {errors.linear_mse / errors.mse:.1f} times as much"
             lines.append(line)
@@ -78,7 +86,7 @@ class FaceMeasure:
     def short_lines(self) -> List[str]:
         """For the panel, which is narrow."""
         return [
-            *(f"{errors.name}: mse {errors.mse:.1e}" for errors in self.errors),
+            *(f"{errors.name}: {self._worst(errors)}" for errors in self.errors),
             f"rig: {self.rig_ms:.2f} ms a pose",
             f"face: {self.face_ms:.3f} ms a pose",
             f"{self.times_faster:.0f} times faster",

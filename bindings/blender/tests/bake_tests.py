@@ -30,6 +30,7 @@ class BakeTest(BakingTest):
             "--picture", self.folder / "beside.png",
         )  # fmt: skip
         self.assertIn("controls: ", printed)
+        self.assertRegex(printed, r"nod: \d+ poses, worst vertex off by [\d.e-]+ mm, ")
         self.assertNotIn("Traceback", printed)
         self.assertTrue((self.folder / "beside.png").read_bytes().startswith(b"\x89PNG"))
         measure = json.loads((self.folder / "measure.json").read_text())

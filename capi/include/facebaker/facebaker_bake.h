@@ -52,8 +52,8 @@ FB_API const char* fb_report_json(const fb_report* report);
  * docs/measuring.md explains the figures. {"name", "units", "diagonal", "rig_calls", "measured_split", "methods",
  * "failed"}; each method has what compare's document has, and besides "clips"[]: "frame_mse", "frame_max",
  * "frame_expected" (a number a frame), "quality": "vertex_rms" (a number a vertex), "vertex_region" (an index into
- * "region_names", or their count), "worst_frames"[]: {"clip" (index), "frame", "mse", "max", "vertex"}, which differ
- * from each other, the worst first, "stats": {"notes", "regions"[] with "epochs"[], "learning"[], "coverage",
+ * "region_names", or their count), "worst_frames"[]: {"clip" (index), "frame", "mse", "max", "vertex", "place"}, which
+ * differ from each other, the worst first, "stats": {"notes", "regions"[] with "epochs"[], "learning"[], "coverage",
  * "stages"[]}. Figures that were not measured are null. The text is made by the first call; not thread-safe for one
  * report. */
 FB_API fb_status fb_report_details(fb_report* report, const char** json);

@@ -206,6 +206,7 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
     if (report.quality->contact.pairs > 0) name_worst_contact(report, *map);
     report.expectation = compare_expected_errors(face, report, source);
     report.worst = worst_frames(report, source, worst_frames_kept);
+    for (FrameOfClip& frame : report.worst) frame.place = map->name_of(frame.errors.worst_vertex);
   }
   const PoseSet shots(source, [&](const Clip& clip) { return wanted(clip) && clip.kind == ClipKind::shot; });
   report.bytes_read = bytes_read_per_pose(model, shots.size() > 0 ? shots : PoseSet(source, wanted));
@@ -242,7 +243,8 @@ std::optional<std::string> worse_than_rest(const PackedModel& model, const PoseS
 std::vector<FrameOfClip> worst_frames(const EvalReport& report, const Source& source, std::size_t count) {
   std::vector<FrameOfClip> all;
   for (std::size_t c = 0; c < report.clips.size(); ++c)
-    for (std::size_t f = 0; f < report.clips[c].frames.size(); ++f) all.push_back({c, f, report.clips[c].frames[f]});
+    for (std::size_t f = 0; f < report.clips[c].frames.size(); ++f)
+      all.push_back({c, f, report.clips[c].frames[f], {}});
   std::stable_sort(all.begin(), all.end(),
                    [](const FrameOfClip& a, const FrameOfClip& b) { return a.errors.max > b.errors.max; });
   const FrameDifference difference(report, source);

@@ -1,0 +1,34 @@
+// How far a face is off, in a sentence: the first thing that whoever bakes wants to know.
+#pragma once
+
+#include <string>
+
+#include "base/length_units.h"
+#include "base/status.h"
+#include "figures/face_figures.h"
+
+namespace fb {
+
+// Of poses that are called `poses`, such as "unseen frames"; `where` the worst vertex is, or "".
+inline std::string verdict_text(const Errors& errors, const std::string& poses, const std::string& where,
+                                double diagonal, const std::string& units) {
+  const auto length = [&](double over_diagonal) { return length_text(over_diagonal * diagonal, units); };
+  return format(
+      "Worst vertex of %zu %s: off by %s%s. The worst vertex of 99 in 100 is off by at most %s, on average by %s.",
+      errors.frames, poses.c_str(), length(errors.max).c_str(), where.empty() ? "" : (" (" + where + ")").c_str(),
+      length(errors.p99fm).c_str(), length(errors.mfm).c_str());
+}
+
+// Of the frames that a face was measured on; "" if there are none.
+inline std::string verdict_text(const EvalReport& report) {
+  if (report.total.frames == 0) return "";
+  std::string where;
+  if (!report.worst.empty()) {
+    const FrameOfClip& worst = report.worst.front();
+    where =
+        format("%s, frame %zu of \"%s\"", worst.place.c_str(), worst.frame, report.clips.at(worst.clip).name.c_str());
+  }
+  return verdict_text(report.total, "frames", where, report.diagonal, report.units);
+}
+
+}  // namespace fb
