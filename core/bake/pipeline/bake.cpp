@@ -248,7 +248,9 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   evaluator.set_cache_limit({options.cache_bytes, options.rig_budget > 0});
   if (!checked) check_rig_unchanged(evaluator, options.seed, options.work, progress);
   if (recipe.evaluates_rig) compose_rig(evaluator, options, progress);
-  if (source.live()) options.poses = wanted_poses(evaluator, options, recipe.evaluates_rig, progress);
+  WantedPoses wanted;
+  if (source.live()) wanted = wanted_poses(evaluator, options, recipe.evaluates_rig, progress);
+  options.poses = wanted.count;
   const BakeOptions sampling = with_budget_left(options, evaluator, 1);
   if (!options.exact.empty()) make_folder(options.work);
   const std::vector<ExactFrame> exact = read_exact_frames(evaluator, options.exact, progress);
@@ -256,7 +258,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   std::unique_ptr<Source> sampled;
   EvaluationPlan plan;
   if (source.live()) {
-    plan = plan_evaluations(evaluator, sampling, recipe.evaluates_rig, progress);
+    plan = plan_evaluations(evaluator, sampling, recipe.evaluates_rig, progress, wanted.linear);
     progress.note(text_of(plan, options.rig_budget > 0));
     sampled = sample_poses(evaluator, sampling, SampledSplits::training, recipe.evaluates_rig, progress);
   }

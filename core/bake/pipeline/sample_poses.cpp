@@ -11,14 +11,14 @@
 
 namespace fb::bake {
 
-std::uint64_t wanted_poses(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates, Progress& progress) {
+WantedPoses wanted_poses(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates, Progress& progress) {
   constexpr std::uint64_t of_linear = 2000;
   const bool free = options.poses == 0 && options.rig_budget == 0 && options.examples.empty();
   if (!free || !recipe_evaluates || !is_linear(rig, options.seed, progress))
-    return poses_or_usual(options.poses, options.rig_budget);
+    return {poses_or_usual(options.poses, options.rig_budget)};
   progress.note(format("the rig is linear in its controls: %llu poses are sampled, as its shapes need no more",
                        static_cast<unsigned long long>(of_linear)));
-  return of_linear;
+  return {of_linear, true};
 }
 
 SamplingOptions sampling_options(const RigEvaluator& rig, const BakeOptions& options, SampledSplits splits,

@@ -17,10 +17,15 @@ enum class SampledSplits {
   training_and_test,  // the rig's test clips too, or held-out random poses and synthetic shots where it has none
 };
 
+struct WantedPoses {
+  std::uint64_t count = 0;
+  bool linear = false;  // fewer than usual, as the rig was found to be
+};
+
 // How many poses to sample: BakeOptions::poses, or where that is 0, all of the rig budget; 2,000 of a rig that
 // is_linear finds linear, with a note, if the recipe analyses rigs itself and nothing says which poses matter, for of
 // such a rig more change nothing; otherwise 20,000.
-std::uint64_t wanted_poses(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates, Progress& progress);
+WantedPoses wanted_poses(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates, Progress& progress);
 
 // How sample_poses samples a rig.
 SamplingOptions sampling_options(const RigEvaluator& rig, const BakeOptions& options, SampledSplits splits,

@@ -1,6 +1,5 @@
 #include "bake/sampling/linear_rig.h"
 
-#include <array>
 #include <cmath>
 #include <vector>
 

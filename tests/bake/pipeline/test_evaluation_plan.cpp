@@ -78,6 +78,9 @@ TEST_CASE("a plan without a budget has poses of single regions, where the recipe
   CHECK(of_regions(false) == 0);
   options.use = Use::backlot;
   CHECK(of_regions(true) == 16640);  // for 40 frames of a clip, too
+  const EvaluationPlan linear = plan_evaluations(evaluator, options, true, silent_progress(), true);
+  CHECK(expected(linear, EvaluationPurpose::regions) == 0);
+  CHECK(expected(linear, EvaluationPurpose::analysis) == 50 * rig.schema().control_count());
 }
 
 TEST_CASE("a plan is a sentence where all takes a moment, a table for a budget or a slow rig") {
