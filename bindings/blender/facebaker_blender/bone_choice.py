@@ -17,7 +17,7 @@ class FindOptions:
     """What is looked at. bones: patterns of names ("lip.*"); none: all. collections: names of bone collections, or before
     Blender 4 numbers of bone layers, counted from 0; none: those that are visible. selected: only bones that are
     selected. kinds: of channels of bones; others are looked at only where they are limited or animated. shape_keys,
-    properties: whether they are looked at."""
+    properties: whether they are looked at. moved: only channels of bones that an action changes."""
 
     bones: Tuple[str, ...] = ()
     collections: Tuple[str, ...] = ()
@@ -25,6 +25,7 @@ class FindOptions:
     kinds: Tuple[str, ...] = ("location", "rotation")
     shape_keys: bool = True
     properties: bool = True
+    moved: bool = False
 
 
 def check_options(armatures: Sequence[Any], options: FindOptions) -> None:

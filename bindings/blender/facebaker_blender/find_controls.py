@@ -18,6 +18,7 @@ from .time_dependence import frame_drivers
 
 Paths = Set[Tuple[str, int]]
 MOVES = 1e-6  # of the diagonal: what moves less moves nothing
+STILL = 1e-5  # of a channel: less is a rounding of what wrote the file
 # Custom properties that Blender and its add-ons keep for themselves.
 _PRIVATE = ("_RNA_UI", "rigify", "rig_ui", "cycles", "facebaker", "cycles_visibility", "rig_id")
 
@@ -45,7 +46,7 @@ def find_controls(
             found += _properties(mesh, mesh, "", False, notes) + _properties(mesh, mesh.data, "", True, notes)
     keys = [mesh.data.shape_keys for mesh in meshes if mesh.data.shape_keys]
     notes += frame_drivers([*armatures, *meshes, *keys])
-    return named_apart(_ranged(found, armatures, _diagonal(meshes))), notes
+    return named_apart(_ranged(found, armatures, _diagonal(meshes), options.moved)), notes
 
 
 def _diagonal(meshes: Sequence[Any]) -> float:
@@ -97,13 +98,17 @@ def _unranged(channel: Channel, group: str) -> SceneControl:
     return SceneControl(name, channel, rest - 1, rest + 1, rest, group, mirror)
 
 
-def _ranged(controls: Sequence[SceneControl], armatures: Sequence[Any], diagonal: float) -> List[SceneControl]:
+def _ranged(
+    controls: Sequence[SceneControl], armatures: Sequence[Any], diagonal: float, moved: bool
+) -> List[SceneControl]:
     """With the ranges of channels of bones, and those of properties that animation takes further; channels that limits
-    hold in place are left out."""
+    hold in place are left out, and with `moved` those of bones that no action changes."""
     by_name = {armature.name: armature for armature in armatures}
     result = []
     for control, used in zip(controls, used_ranges(controls)):
         channel, low, high, rest = control.channel, control.minimum, control.maximum, control.rest
+        if moved and channel.of_bone and not (used and used[1] - used[0] > STILL):
+            continue
         if channel.of_bone:
             bone = by_name[channel.object].pose.bones[channel.bone]
             limits = limits_of(bone, channel.kind, channel.axis)

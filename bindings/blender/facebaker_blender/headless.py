@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import os
 import pathlib
 import signal
 import sys
@@ -44,10 +45,12 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=_Parser)
     controls = commands.add_parser("controls", help="find the controls of the scene and write a settings file")
     controls.add_argument("--out", required=True, metavar="FILE.json")
+    _add_import_option(controls)
     _add_find_options(controls)
     bake = commands.add_parser("bake", help="bake the scene, measure the face and show it")
     bake.add_argument("--out", required=True, metavar="FACE.fbk")
     bake.add_argument("--settings", metavar="FILE.json", help="what to bake; without it controls are found")
+    _add_import_option(bake)
     _add_find_options(bake)
     _add_bake_options(bake)
     _add_show_options(bake)
@@ -56,6 +59,12 @@ def make_parser() -> argparse.ArgumentParser:
     show.add_argument("--settings", metavar="FILE.json", help="of the bake; by default those beside the archive")
     _add_show_options(show)
     return parser
+
+
+def _add_import_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--import", dest="imported", default="", metavar="FILE",
+                        help=".fbx, .usd, or what else this Blender imports, in place of a scene; of its bones those are "
+                        "controls that its actions move")  # fmt: skip
 
 
 def _add_find_options(parser: argparse.ArgumentParser) -> None:
@@ -116,8 +125,10 @@ def found_settings(options: argparse.Namespace) -> BakeSettings:
     armatures = chosen_armatures(meshes, options.armature)
     collections = tuple(name.strip() for words in options.collections for name in words.split(",") if name.strip())
     kinds = tuple(kind.strip() for kind in options.channels.split(",") if kind.strip())
-    find = FindOptions(tuple(options.bones), collections, kinds=kinds)
+    find = FindOptions(tuple(options.bones), collections, kinds=kinds, moved=bool(options.imported))
     controls, notes = find_controls(armatures, meshes, find)
+    if not controls and find.moved:  # a file without actions
+        controls, notes = find_controls(armatures, meshes, replace(find, moved=False))
     if not controls:
         raise SettingsError("no controls were found: no unlocked channels of visible bones, shape keys or properties")
     reference = armatures[0].name if armatures else meshes[0].name
@@ -170,7 +181,22 @@ def say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
+def open_imported(options: argparse.Namespace) -> None:
+    """Imports what the command line says. Raises SettingsError, also where a scene is open that it would take the place
+    of."""
+    import bpy
+
+    from facebaker_blender.import_file import import_scene
+
+    if not options.imported:
+        return
+    if bpy.data.filepath:
+        raise SettingsError("--import takes the place of a scene: call Blender without one")
+    import_scene(pathlib.Path(options.imported), pathlib.Path(options.out).resolve().with_suffix(".blender"))
+
+
 def run_controls(options: argparse.Namespace) -> None:
+    open_imported(options)
     settings = found_settings(options)
     save_settings(settings, options.out)
     print(options.out)
@@ -183,9 +209,10 @@ def run_bake(options: argparse.Namespace) -> None:
 
     begin = time.monotonic()
     job = BakeJob(options.out)
-    tool = find_tool(options.tool)
+    tool = find_tool()
     if options.settings:
         refuse_find_options(options)
+    open_imported(options)
     settings = load_settings(options.settings) if options.settings else found_settings(options)
     settings = with_bake_options(settings, options)
     session = session_digest(sys.argv)
@@ -271,6 +298,8 @@ def _show(archive: pathlib.Path, settings: BakeSettings, options: argparse.Names
 def main(words: Sequence[str]) -> int:
     """Runs a command; its exit code."""
     options = make_parser().parse_args(words)
+    if getattr(options, "tool", ""):
+        os.environ["FACEBAKER_TOOL"] = options.tool
     try:
         add_package_path()
         {"controls": run_controls, "bake": run_bake, "show": run_show}[options.command](options)

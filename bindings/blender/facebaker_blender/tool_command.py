@@ -41,10 +41,26 @@ def _offer(folder: str) -> bool:
 
 
 def _offer_libraries() -> None:
-    """The libraries of a build of the tree, where the environment names none and the package carries none."""
-    built = _built("lib/libfacebaker.so")
-    if not os.environ.get("FACEBAKER_LIBRARY") and built and not (HERE / "carried").is_dir():
-        os.environ["FACEBAKER_LIBRARY"] = str(built)
+    """Where the environment names no library and the package carries none: that of the program which the environment
+    names, of a build of the tree, or of the program in PATH."""
+    if os.environ.get("FACEBAKER_LIBRARY") or (HERE / "carried").is_dir():
+        return
+    found = (
+        library_of(os.environ.get("FACEBAKER_TOOL")) or _built("lib/libfacebaker.so")
+        or library_of(shutil.which("facebaker"))
+    )  # fmt: skip
+    if found:
+        os.environ["FACEBAKER_LIBRARY"] = str(found)
+
+
+def library_of(tool: Optional[str]) -> Optional[pathlib.Path]:
+    """The library that was built or installed with a program: in lib beside its bin, or in a folder of lib for a kind of
+    processor."""
+    if not tool:
+        return None
+    folder = pathlib.Path(tool).resolve().parent.parent / "lib"
+    libraries = sorted([*folder.glob("libfacebaker.so*"), *folder.glob("*/libfacebaker.so*")])
+    return libraries[0] if libraries else None
 
 
 def _built(path: str) -> Optional[pathlib.Path]:

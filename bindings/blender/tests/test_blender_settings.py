@@ -20,7 +20,7 @@ from facebaker_blender.control_names import face_part, mirror_channel_name, othe
 from facebaker_blender.progress_lines import BakeProgress
 from facebaker_blender.ranges import assumed_range, control_range, tighter
 from facebaker_blender.rotations import quaternion_of_vector, vector_of_quaternion
-from facebaker_blender.tool_command import BlenderCommand, bake_words, source_text
+from facebaker_blender.tool_command import BlenderCommand, bake_words, library_of, source_text
 
 
 def example():
@@ -32,6 +32,20 @@ def example():
     shots = (Shot("talk", 1, 20), Shot("walk", 5, 9, "train"))
     bake = BakeOptions("compact", rig_budget=500, extra=("--max-bytes", "100000"))
     return BakeSettings("Ann", ("face", "teeth"), controls, "rig", shots, "apply", bake, "none")
+
+
+class LibraryTest(unittest.TestCase):
+    def test_a_library_is_found_beside_its_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tool = pathlib.Path(folder).resolve() / "bin" / "facebaker"
+            for path in tool, tool.parents[1] / "lib" / "some-processor" / "libfacebaker.so.0":
+                path.parent.mkdir(parents=True)
+                path.touch()
+            self.assertEqual(library_of(str(tool)), path)
+            path.with_name("libfacebaker.so").touch()
+            self.assertEqual(library_of(str(tool)), path.with_name("libfacebaker.so"))
+            self.assertIsNone(library_of(str(tool.parent / "bin" / "facebaker")))
+            self.assertIsNone(library_of(None))
 
 
 class SettingsTest(unittest.TestCase):
