@@ -25,6 +25,9 @@ const LOOKS: Record<Mode, Look> = {
   difference: "colours",
 };
 
+/** The least end of the colour scale where none is chosen, of the diagonal: 0.04 mm of a head. */
+const LEAST_SCALE = 1e-4;
+
 /** What is on the screen: one or two faces in a pose, looked at in a mode. Panels listen to its signals. */
 export class Viewer {
   /** Other faces. */
@@ -142,7 +145,7 @@ export class Viewer {
     const diagonal = this.first?.face.diagonal ?? 1;
     if (this.scale !== null) return this.scale * diagonal;
     const largest = this.#mode === "expected" ? Math.max(0, ...(this.expected?.regions ?? [])) : (this.errors?.max ?? 0);
-    return roundScale(largest / diagonal) * diagonal;
+    return roundScale(Math.max(largest / diagonal, LEAST_SCALE)) * diagonal;
   }
 
   /** Poses and draws again soon. */
