@@ -2,7 +2,9 @@
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
+#include "base/file_extension.h"
 #include "base/length_units.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
@@ -74,6 +76,9 @@ std::int32_t split_from(const std::string& name) {
 }
 
 void EvalCommand::run() {
+  if (file_extension(archive) != ".fbk" && file_extension(sources.front()) == ".fbk")
+    fail(Status::invalid_argument, "the archive comes first, then its rig: eval %s %s", shown(sources.front()).c_str(),
+         shown(archive).c_str());
   const facebaker::Archive face(archive);
   std::vector<std::string> notes;
   const bool chosen = !split.empty();

@@ -91,7 +91,8 @@ TEST_CASE("messages about files with long paths give the reason and a part of th
   const ScratchFolder folder;
   const std::string deep = deep_folder(folder), face = folder / "face.fbk", toy = FB_TOY_RIG, out = folder / "out.fbk";
   write_tiny_archive(face);
-  for (const char* name : {"text.fbk", "text.npy", "text.so", "text.glb", "text.txt", "bad/dataset.json"}) {
+  for (const char* name :
+       {"text.fbk", "text.npy", "text.so", "text.glb", "text.txt", "Text.FBX", "text.blend", "bad/dataset.json"}) {
     fb::make_folder(std::filesystem::path(deep + name).parent_path());
     fb::write_file(deep + name, std::string("no such thing"));
   }
@@ -111,6 +112,11 @@ TEST_CASE("messages about files with long paths give the reason and a part of th
       {{"bake", deep, "--out", out}, "is no dataset folder"},
       {{"bake", deep + "bad", "--out", out}, "is no JSON"},
       {{"bake", deep + "text.txt", "--out", out}, "neither a dataset folder"},
+      {{"bake", deep + "Text.FBX", "--out", out}, "bake --import FILE"},
+      {{"bake", deep + "text.blend", "--out", out}, "a scene of Blender"},
+      {{"bake", deep + "text.npy", "--out", out}, "positions without a rig"},
+      {{"eval", face, deep + "text.fbk"}, "its source is the rig"},
+      {{"eval", toy, deep + "text.fbk"}, "the archive comes first"},
       {{"bake", deep + "text.so", "--out", out}, "cannot be loaded as a rig plugin"},
       {{"bake", deep + "text.glb", "--out", out}, "is no whole glTF file"},
       {{"bake", toy, "--out", deep + "held.fbk"}, "is being written by process"},

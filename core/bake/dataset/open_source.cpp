@@ -10,6 +10,7 @@
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/dataset_source.h"
 #include "bake/dataset/merged_source.h"
+#include "bake/dataset/other_files.h"
 #include "bake/rig/gltf/gltf_rig.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig/source.h"
@@ -117,6 +118,8 @@ OpenedSource open_source(const std::string& source, const RigRunning& running) {
   }
   if (is_gltf(source)) return open_gltf_rig(source, running.gltf);
   if (file_extension(path) == ".so") return open_rig_plugin(source);
+  if (const std::string way = way_to_bake(path); !way.empty())
+    fail(Status::invalid_argument, "%s: no source by itself, but %s", shown(source).c_str(), way.c_str());
   fail(Status::invalid_argument,
        "%s: neither a dataset folder, a rig plugin (.so), a glTF file (.glb, .gltf, .vrm) nor a command (exec:COMMAND)",
        shown(source).c_str());
