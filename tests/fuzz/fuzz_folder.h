@@ -3,26 +3,38 @@
 
 #include <unistd.h>
 
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 
 #include "base/status.h"
 
 namespace fuzz {
 
-inline const std::filesystem::path& folder() {
-  static const std::filesystem::path path = [] {
+class FuzzFolder {
+ public:
+  FuzzFolder() {
     const std::filesystem::path shared = "/dev/shm";
     const auto base = std::filesystem::is_directory(shared) ? shared : std::filesystem::temp_directory_path();
-    auto made = base / ("fb-fuzz-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(made);
-    std::atexit([] { std::filesystem::remove_all(folder()); });
-    return made;
-  }();
-  return path;
+    path_ = base / ("fb-fuzz-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(path_);
+  }
+  ~FuzzFolder() {
+    std::error_code failed;
+    std::filesystem::remove_all(path_, failed);
+  }
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline const std::filesystem::path& folder() {
+  static const FuzzFolder made;
+  return made.path();
 }
 
 // Writes a file there, without syncing it to the disk.
