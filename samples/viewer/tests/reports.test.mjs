@@ -19,6 +19,13 @@ for (const report of readdirSync(settings.reports))
         const { page, close } = await openPage(browser, address, { ...size, dark, ready: false });
         await fullPicture(page, `report_${report}_${name}_${dark ? "dark" : "light"}`);
         assert.deepEqual(await violations(page), []);
+        const height = await page.evaluate(() => document.documentElement.scrollHeight);
+        const folded = await page.locator("summary").all();
+        assert.ok(folded.length > 5, "sections are folded");
+        for (const heading of folded) await heading.click();
+        await fullPicture(page, `report_${report}_${name}_${dark ? "dark" : "light"}_unfolded`);
+        assert.ok((await page.evaluate(() => document.documentElement.scrollHeight)) > 3 * height, "all of it is far longer");
+        assert.deepEqual(await violations(page), []);
         assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing sticks out");
         const figure = page.getByRole("button", { name: "rms", exact: true }).first();
         await figure.focus();
