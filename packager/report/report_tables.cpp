@@ -72,7 +72,8 @@ void add_kinds(Html& page, const ReportView& view) {
 }  // namespace
 
 void add_verdict(Html& page, const ReportView& view, const FaceReport& report) {
-  if (view.measured()) page.lead(verdict_text(view.ours().independent));
+  const std::string whose = view.methods().size() > 1 ? view.label(view.ours()) + ": " : "";
+  if (view.measured()) page.lead(whose + verdict_text(view.ours().independent));
   page.paragraph(report.measured_on);
 }
 

@@ -115,8 +115,9 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
     CHECK_MESSAGE(contains(page, section), section);
   CHECK(page.find("<script") == std::string::npos);
   // The verdict and a picture come first; sections behind the advice are folded.
-  const std::size_t verdict = page.find("<p class=\"lead\">Worst vertex of "), picture = page.find("\"worst.png\""),
-                    advice = page.find(">What to do</h2>"), folded = page.find("<details ");
+  const std::size_t verdict = page.find("<p class=\"lead\">hero variant: Worst vertex of "),
+                    picture = page.find("\"worst.png\""), advice = page.find(">What to do</h2>"),
+                    folded = page.find("<details ");
   CHECK((verdict < picture && picture < advice && advice < folded && folded != std::string::npos));
   CHECK(contains(page, "<summary><h2>Table 1</h2></summary>"));
   CHECK(unbalanced(page) == std::vector<std::string>{});
