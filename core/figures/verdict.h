@@ -1,6 +1,7 @@
 // How far a face is off, in a sentence: the first thing that whoever bakes wants to know.
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "base/length_units.h"
@@ -19,15 +20,13 @@ inline std::string verdict_text(const Errors& errors, const std::string& poses, 
       length(errors.p99fm).c_str(), length(errors.mfm).c_str());
 }
 
-// Of the frames that a face was measured on; "" if there are none.
+// Of the frames that a face was measured on; "" if there are none. The place on the face is known with Detail::quality.
 inline std::string verdict_text(const EvalReport& report) {
   if (report.total.frames == 0) return "";
-  std::string where;
-  if (!report.worst.empty()) {
-    const FrameOfClip& worst = report.worst.front();
-    where =
-        format("%s, frame %zu of \"%s\"", worst.place.c_str(), worst.frame, report.clips.at(worst.clip).name.c_str());
-  }
+  const ClipErrors& worst =
+      *std::ranges::max_element(report.clips, {}, [](const ClipErrors& c) { return c.errors.max; });
+  const std::string place = report.worst.empty() ? "" : report.worst.front().place + ", ";
+  const std::string where = place + format("frame %zu of \"%s\"", worst.errors.worst_frame, worst.name.c_str());
   return verdict_text(report.total, "frames", where, report.diagonal, report.units);
 }
 
