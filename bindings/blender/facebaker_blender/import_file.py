@@ -43,7 +43,8 @@ def import_scene(path: pathlib.Path, folder: pathlib.Path) -> None:
     try:
         importer(filepath=str(path.resolve()))
     except RuntimeError as error:  # what an operator reports
-        raise SettingsError(f"{path}: Blender's importer fails: {str(error).strip()}") from None
+        reason = str(error).strip().splitlines()[-1]  # behind a traceback, where an add-on fails
+        raise SettingsError(f"{path}: Blender's importer fails: {reason}") from None
     if not any(scene_object.type == "MESH" for scene_object in bpy.data.objects):
         raise SettingsError(f"{path}: no mesh is in what Blender imports of it")
     folder.mkdir(parents=True, exist_ok=True)

@@ -58,10 +58,11 @@ class ImportTest(unittest.TestCase):
 
     def test_an_fbx_is_baked_with_the_controls_that_move(self):
         out = self.folder / "face.fbk"
-        printed = self.headless(
+        words = (
             "bake", "--import", self.folder / "face.fbx", "--out", out, "--recipe", "linear", "--rig-budget", 100,
             "--workers", 1, "--json", self.folder / "measure.json",
         )  # fmt: skip
+        printed = self.headless(*words)
         settings = load_settings(self.folder / "face.blender" / "settings.json")
         names = [control.name for control in settings.controls]
         self.assertEqual(len(names), 2, printed)
@@ -73,6 +74,10 @@ class ImportTest(unittest.TestCase):
         # The face moves by metres as the scene did, whatever units the file has.
         measure = json.loads((self.folder / "measure.json").read_text())
         self.assertLess(abs(measure["diagonal"] - 2 * np.sqrt(2)), 0.01)
+        # The same command has the copy of the scene that an interrupted bake goes on with.
+        copy = (self.folder / "face.blender" / "scene.blend").stat().st_mtime_ns
+        self.headless(*words, "--only-prepare")
+        self.assertEqual((self.folder / "face.blender" / "scene.blend").stat().st_mtime_ns, copy)
         self.headless("controls", "--import", self.folder / "face.fbx", "--out", self.folder / "face.json")
         self.assertEqual([c.name for c in load_settings(self.folder / "face.json").controls], names)
 
