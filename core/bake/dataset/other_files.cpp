@@ -23,16 +23,16 @@ constexpr OtherFile other_files[] = {
     {".hip .hiplc .hipnc ",
      "a scene of Houdini, which evaluates planned poses by samples/exporters/houdini_exporter.py: facebaker plan, then "
      "bake the dataset folder"},
-    {".uasset .umap ",
+    {".uasset ",
      "an asset of Unreal, which evaluates planned poses by samples/exporters/unreal_exporter.py: facebaker plan, then "
      "bake the dataset folder"},
-    {".dna ", "samples/exporters/riglogic_rig.py serves it: facebaker bake exec:\"python3 riglogic_rig.py FILE\""},
+    {".dna ", "samples/exporters/riglogic_rig.py bakes it: python3 riglogic_rig.py FILE FACE.fbk"},
     {".npy .mdd .pc2 ", "positions without a rig: a dataset folder has them beside control values and the rest mesh"},
     {".abc ",
      "positions without controls: a dataset folder has them, as .npy, .mdd or .pc2, beside control values and the rest "
      "mesh"},
     {".obj .ply .stl ", "a mesh that does not move: a dataset folder has poses of it beside control values"},
-    {".csv .livelink ", "control values without a face: pose plays them, and --poses-like trains near them"},
+    {".csv ", "control values without a face: pose plays them, and --poses-like trains near them"},
     {".fbk ", "a baked face; its source is the rig that it was baked from"},
 };
 
