@@ -54,6 +54,17 @@ TEST_CASE("linear blendshapes reproduce a linear face, asked or found in recordi
   CHECK(unseen_mse(bake_face(rig, options, silent_progress()).archive, rig) < 1e-10);
 }
 
+TEST_CASE("a live rig that is linear is baked from few poses where nobody says how many") {
+  WorkFolder folder;
+  MemorySource rig = face_of(linear_formula, true);
+  BakeOptions options = options_in(folder, "compact");
+  options.poses = 0;
+  const Baked baked = bake_face(rig, options, silent_progress());
+  CHECK(baked.poses == 2000);
+  CHECK(baked.held_back.total.frames > 30);
+  CHECK(baked.held_back.total.max < 1e-4);
+}
+
 TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it reached") {
   const WorkFolder folder;
   MemorySource source(4, 20, linear_formula);
