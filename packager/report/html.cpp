@@ -21,7 +21,7 @@ body { margin: 0 auto; padding: 1.5rem 2rem 4rem; max-width: 78rem; background: 
 h1 { font-size: 1.7rem; margin: 0 0 .5rem; } h2 { font-size: 1.3rem; margin: 2.6rem 0 .6rem; border-bottom: 1px solid var(--line); }
 h3 { font-size: 1.05rem; margin: 1.6rem 0 .4rem; } p { max-width: 50rem; margin: .5rem 0; }
 .lead { font-size: 1.25rem; max-width: 60rem; } summary { cursor: pointer; } summary h2 { display: inline-block; margin: .5rem 0 .3rem; border: 0; }
-details { border-bottom: 1px solid var(--line); } details[open] { padding-bottom: 1.5rem; } h2 + * { margin-top: 0; }
+details { border-bottom: 1px solid var(--line); } details[open] { padding-bottom: 1.5rem; }
 @media print { details::details-content { content-visibility: visible; display: block; height: auto; } }
 nav { font-size: .9rem; } nav a { margin-right: 1rem; white-space: nowrap; } a { color: var(--c2); }
 .wide { overflow-x: auto; } table { border-collapse: collapse; margin: .6rem 0; font-size: .9rem; font-variant-numeric: tabular-nums; }
