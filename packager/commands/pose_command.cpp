@@ -21,7 +21,9 @@
 #include "commands/results.h"
 #include "commands/rig_options.h"
 #include "commands/terminal.h"
+#include "export/character_appearance.h"
 #include "export/obj_file.h"
+#include "render/moving_part.h"
 #include "render/png_file.h"
 #include "render/pose_renderer.h"
 
@@ -37,7 +39,7 @@ struct PoseCommand {
   View view;
   Parallel parallel;
   RigOptions rigs;
-  bool json = false;
+  bool json = false, whole = false;
 
   void run();
 
@@ -94,6 +96,28 @@ std::array<std::vector<float>, 8> bounds_of(PoseEvaluator& evaluator, const Pose
   return corners;
 }
 
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) print_line(note, "facebaker pose: ");
+}
+
+// Of a face that is a small part of a body, what its controls move alone.
+std::optional<BoundingBox> moving_region(PoseEvaluator& evaluator) {
+  const facebaker::Model& model = evaluator.model();
+  std::vector<float> pose;
+  for (std::uint32_t c = 0; c < model.control_count(); ++c) pose.push_back(model.control(c).rest);
+  MovingPart part(evaluator.character().mesh);
+  for (std::uint32_t c = 0; c < model.control_count(); ++c) {
+    const fb_control control = model.control(c);
+    for (const float value : {control.minimum, control.maximum}) {
+      if (value == control.rest) continue;
+      pose[c] = value;
+      part.add(evaluator.positions(pose));
+    }
+    pose[c] = control.rest;
+  }
+  return part.region();
+}
+
 void PoseCommand::write_still(const std::string& path, const CharacterView& character, const PoseRenderer* renderer,
                               const std::vector<float>& positions, const std::vector<float>& reference) {
   if (!renderer) {
@@ -118,9 +142,11 @@ void PoseCommand::write_stills(PoseEvaluator& evaluator, const Poses& poses) {
   std::optional<PoseRenderer> renderer;
   if (file_extension(out) == ".png") {
     const std::array<std::vector<float>, 8> bounds = bounds_of(evaluator, poses);
+    if (!whole) view.region = moving_region(evaluator);
     renderer.emplace(evaluator.character().mesh, MeshPoses{bounds.begin(), bounds.end()}, fb_up_axis(model.get()), view,
-                     resolution_from(size), parallel);
+                     resolution_from(size), parallel, appearance_of(evaluator.character(), &notes));
   }
+  print_notes(notes);
   ProgressBar progress;
   if (poses.frames > 1) progress.begin(Phase::writing, "writing frames", poses.frames);
   for (std::size_t f = 0; f < poses.frames; ++f) {
@@ -172,10 +198,6 @@ Poses PoseCommand::read_frames(const facebaker::Model& model) const {
   return poses;
 }
 
-void print_notes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) print_line(note, "facebaker pose: ");
-}
-
 void PoseCommand::run() {
   check_options();
   const facebaker::Model model(archive);
@@ -206,6 +228,9 @@ void add_image_options(Command app, PoseCommand& command) {
   app.add_option("--pitch", command.view.pitch, "Elevation of the camera, degrees, for .png")
       .between(-89.0, 89.0)
       .shows_default();
+  app.add_flag("--whole", command.whole,
+               "Show all of a body; by default, where controls move a small part of the mesh, the picture is of that "
+               "part, for .png");
   app.add_option("--size", command.size, "Size of a picture's panel, for .png")
       .type_name("WIDTHxHEIGHT")
       .shows_default();

@@ -61,11 +61,14 @@ DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=${FB_PARALLEL:-$(nproc)}" dpkg-
   { tail -40 "$out/build.log" >&2; echo "building failed; all of it is in $out/build.log" >&2; exit 1; }
 mv ../*.deb ../*.buildinfo ../*.changes "$out/"
 
-# For the archive the same, but as it works in any folder: the tool finds its libraries beside itself, which have zlib in them.
+# For the archive the same, but as it works in any folder: the tool finds its libraries beside itself, which have zlib and
+# what decodes pictures in them.
 build=$(ls -d obj-*)
 {
+  archives=/usr/lib/$(dpkg-architecture -q DEB_HOST_MULTIARCH)
   cmake -B "$build" -D CMAKE_SKIP_INSTALL_RPATH=OFF -D CMAKE_INSTALL_LIBDIR=lib -D FB_ZSH_DIR=share/zsh/site-functions \
-    -D ZLIB_LIBRARY_RELEASE="/usr/lib/$(dpkg-architecture -q DEB_HOST_MULTIARCH)/libz.a"
+    -D ZLIB_LIBRARY_RELEASE="$archives/libz.a" -D PNG_LIBRARY_RELEASE="$archives/libpng.a" \
+    -D TURBOJPEG_LIBRARY="$archives/libturbojpeg.a" -D WEBP_LIBRARY="$archives/libwebp.a"
   cmake --build "$build" --parallel "${FB_PARALLEL:-$(nproc)}"
 } >>"$out/build.log" 2>&1
 cpack --config "$build/CPackConfig.cmake" -D CPACK_PACKAGE_DIRECTORY="$out" -D CPACK_PACKAGING_INSTALL_PREFIX=/ >>"$out/build.log"

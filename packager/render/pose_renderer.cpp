@@ -75,16 +75,19 @@ void draw_number(Image& image, const std::array<float, 2>& pixel, std::size_t nu
 }  // namespace
 
 PoseRenderer::PoseRenderer(const MeshView& rest, const MeshPoses& poses, const std::string& up_axis, const View& view,
-                           const Resolution& resolution, const Parallel& parallel)
+                           const Resolution& resolution, const Parallel& parallel,
+                           std::shared_ptr<const Appearance> appearance)
     : triangles_(rest.triangles()),
       diagonal_(rest.diagonal()),
       resolution_(resolution),
       parallel_(parallel),
       camera_(fit_camera(points_in(view.region, rest.points, poses), up_axis, whole(view),
-                         static_cast<float>(resolution.width) / static_cast<float>(resolution.height))) {}
+                         static_cast<float>(resolution.width) / static_cast<float>(resolution.height))),
+      appearance_(std::move(appearance)) {}
 
 Image PoseRenderer::draw(std::span<const float> points) const {
-  return render({.triangles = triangles_, .points = points}, camera_, resolution_, parallel_);
+  return render({.triangles = triangles_, .points = points, .appearance = appearance_.get()}, camera_, resolution_,
+                parallel_);
 }
 
 Image PoseRenderer::draw_scalars(std::span<const float> points, std::span<const float> scalars,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,10 +22,11 @@ using MeshPoses = std::vector<std::span<const float>>;
 // Draws many poses of one mesh with one camera.
 class PoseRenderer {
  public:
-  // The camera shows the rest pose and `poses` whole, or of each the vertices that lie in view.region at rest. All but
-  // the options are read by the constructor only.
+  // The camera shows the rest pose and `poses` whole, or of each the vertices that lie in view.region at rest. Mesh and
+  // poses are read by the constructor only. appearance: of the triangles of `rest`; null: clay.
   PoseRenderer(const MeshView& rest, const MeshPoses& poses, const std::string& up_axis, const View& view,
-               const Resolution& resolution, const Parallel& parallel);
+               const Resolution& resolution, const Parallel& parallel,
+               std::shared_ptr<const Appearance> appearance = nullptr);
 
   const Camera& camera() const { return camera_; }
 
@@ -66,6 +68,7 @@ class PoseRenderer {
   Resolution resolution_;
   Parallel parallel_;
   Camera camera_;
+  std::shared_ptr<const Appearance> appearance_;
 };
 
 }  // namespace fb::tool

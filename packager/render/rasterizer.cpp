@@ -22,10 +22,12 @@ struct TransformedScene {
   std::vector<Projected> projected;
   std::vector<Vector3> points, normals;  // camera space
   std::vector<float> ambient_occlusion;
+  const Appearance* appearance = nullptr;  // null: in one colour, or colours that are not the surface's own
 };
 
 TransformedScene transform(const Scene& scene, const Camera& camera, int width, int height, const Parallel& parallel) {
   TransformedScene p{scene, {}, {}, {}, {}};
+  if (scene.scalars.empty() && scene.colours.empty()) p.appearance = scene.appearance;
   const std::size_t vertices = scene.points.size() / 3;
   const auto normals = vertex_normals(scene.triangles, scene.points);
   p.ambient_occlusion = vertex_ambient_occlusion(scene.triangles, scene.points, normals, parallel);
@@ -79,8 +81,9 @@ void rasterize(const TransformedScene& p, int first_row, int rows, int width, st
         const float inverse_depth = wa * a.inverse_depth + wb * b.inverse_depth + wc * c.inverse_depth;
         Hit& hit = hits[static_cast<std::size_t>(y - first_row) * width + x];
         if (inverse_depth <= hit.inverse_depth) continue;
-        hit = {static_cast<std::uint32_t>(t), inverse_depth, wb * b.inverse_depth / inverse_depth,
-               wc * c.inverse_depth / inverse_depth};
+        const Hit nearer = {static_cast<std::uint32_t>(t), inverse_depth, wb * b.inverse_depth / inverse_depth,
+                            wc * c.inverse_depth / inverse_depth};
+        if (!p.appearance || p.appearance->at(t / 3, nearer.b, nearer.c).covers) hit = nearer;
       }
   }
 }
@@ -100,7 +103,9 @@ Vector3 shade(const TransformedScene& p, const Hit& hit) {
   if (!p.scene.scalars.empty())
     return shade_colour_map(normal, ambient_occlusion, map_colour(interpolate(p.scene.scalars), p.scene.scale));
   if (!p.scene.colours.empty()) return shade_colour_map(normal, ambient_occlusion, interpolate(p.scene.colours));
-  return shade_clay(normal, to_eye, ambient_occlusion, clay);
+  if (!p.appearance) return shade_clay(normal, to_eye, ambient_occlusion, clay);
+  const Appearance::Seen seen = p.appearance->at(hit.triangle / 3, hit.b, hit.c);
+  return shade_clay(normal, to_eye, ambient_occlusion, seen.colour) + seen.emissive;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "render/appearance.h"
 #include "render/camera.h"
 #include "render/colour_map.h"
 #include "render/image.h"
@@ -18,6 +19,8 @@ struct Scene {
   std::span<const float> scalars = {};       // one a vertex, coloured by map_colour; empty: a clay render
   ColourScale scale = {};                    // of the scalars
   std::span<const Vector3> colours = {};     // one a vertex, linear RGB, instead of scalars
+  // In place of clay, without scalars and colours: see Appearance, of these triangles.
+  const Appearance* appearance = nullptr;
 };
 
 struct Resolution {

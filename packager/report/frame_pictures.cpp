@@ -1,43 +1,33 @@
 #include "report/frame_pictures.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/length_units.h"
 #include "base/status.h"
+#include "export/character_appearance.h"
+#include "render/moving_part.h"
 #include "render/png_file.h"
 
 namespace fb::tool {
 namespace {
 
 constexpr Resolution resolution = {460, 575, 3};
-constexpr double moving = 2e-3;  // of the diagonal: vertices that move less are not looked for
-// Of the mesh' diagonal: a smaller part that moves is a face of a body, and the picture is of its surroundings alone.
-constexpr double part_of_mesh = 0.35;
 // Over D: the scale ends there at least, so that a good face looks good.
 constexpr double least_end = 0.01;
 
-float squared_length(Vector3 v) {
-  return dot(v, v);
+// Whole, or of a face that is a small part of a body, what moves in these frames.
+View view_of(const facebaker::SourceView& source, const std::vector<PosedFrame>& frames) {
+  MovingPart part(rest_mesh(source));
+  for (const PosedFrame& frame : frames) part.add(frame.truth);
+  View view;
+  view.region = part.region();
+  return view;
 }
 
-// Whole, or the box of what moves in these frames and half its size more at every side.
-View view_of(const facebaker::SourceView& source, const std::vector<PosedFrame>& frames) {
-  const MeshView rest = rest_mesh(source);
-  const double still = moving * source.info().diagonal;
-  BoundingBox box{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-  for (const PosedFrame& frame : frames)
-    for (std::size_t v = 0; v < rest.vertex_count(); ++v) {
-      const Vector3 p = vector_at(rest.points.data(), v);
-      if (squared_length(vector_at(frame.truth.data(), v) - p) <= still * still) continue;
-      box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
-      box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
-    }
-  View view;
-  const Vector3 size = box.high - box.low;
-  if (!(box.low.x <= box.high.x) || length(size) >= part_of_mesh * rest.diagonal()) return view;
-  view.region = BoundingBox{box.low - size * 0.5f, box.high + size * 0.5f};
-  return view;
+// With the materials that a face was baked with. Its polygons are those of the source.
+std::shared_ptr<const Appearance> appearance_of(const MethodReport& method) {
+  const facebaker::Model model(method.archive.data(), method.archive.size());
+  return appearance_of(CharacterView(model));
 }
 
 MeshPoses all_poses(const std::vector<PosedFrame>& frames) {
@@ -90,7 +80,8 @@ FramePictures::FramePictures(const ReportView& view, const facebaker::SourceView
       folder_(folder),
       parallel_(parallel),
       view_(view_of(source, frames)),
-      renderer_(rest_mesh(source), all_poses(frames), source.info().up_axis, view_, resolution, parallel) {
+      renderer_(rest_mesh(source), all_poses(frames), source.info().up_axis, view_, resolution, parallel,
+                appearance_of(view.ours())) {
   for (const PosedFrame& frame : frames)
     for (const std::vector<float>& posed : frame.posed)
       largest_error = std::max(largest_error, renderer_.difference(frame.truth, posed).max);

@@ -7,6 +7,7 @@
 #include "archive/writer.h"
 #include "bake/dataset/npy.h"
 #include "base/file.h"
+#include "picture_reading.h"
 #include "test_models.h"
 #include "tool_files.h"
 #include "tool_run.h"
@@ -197,6 +198,26 @@ TEST_CASE("a picture has the given size and does not depend on threads") {
   CHECK(png.substr(1, 3) == "PNG");
   CHECK(static_cast<unsigned char>(png[19]) == 96);
   CHECK(static_cast<unsigned char>(png[23]) == 64);
+}
+
+TEST_CASE("a picture shows the colours of materials") {
+  const ScratchFolder folder;
+  fb::PackedModel model = fb::character_model();
+  for (fb::Material& material : model.character.materials) material.base_colour = {0.1f, 0.1f, 0.9f, 1};
+  // Of `blue`, pixels in which it stands out.
+  const auto blue = [&](const char* name) {
+    const std::string archive = folder / (std::string(name) + ".fbk"), out = folder / (std::string(name) + ".png");
+    fb::write_file(archive, fb::archive::write_archive(model, {}));
+    REQUIRE(run_tool({"pose", archive, "--out", out, "--size", "96x96"}).exit_code == 0);
+    const fb::test::Picture picture = fb::test::read_picture(fb::read_file(out));
+    std::size_t count = 0;
+    for (std::size_t p = 0; p + 2 < picture.pixels.size(); p += 3)
+      count += picture.pixels[p + 2] > 60 + picture.pixels[p];
+    return count;
+  };
+  CHECK(blue("materials") > 300);
+  for (fb::Material& material : model.character.materials) material = {};  // nothing but glTF's white
+  CHECK(blue("clay") == 0);
 }
 
 }  // namespace test_tool_pose

@@ -77,6 +77,13 @@ def packages_of(files: Iterable[str]) -> Set[str]:
     return {name for name in found if not OF_THE_SYSTEM.match(name)}
 
 
+def headers_of(package: str) -> str:
+    """The package with the headers of a shared library's; other packages stay."""
+    if package == "libturbojpeg0":
+        return package + "-dev"
+    return re.sub(r"^lib(meshoptimizer|microhttpd|openmpi|mpich|webp|png)[\d.-]+(d|t64)?$", r"lib\1-dev", package)
+
+
 def main(arguments: List[str]) -> int:
     root, build = pathlib.Path(arguments[0]), pathlib.Path(arguments[1])
     if not (build / "build.ninja").exists() or not pathlib.Path("/usr/bin/dpkg-query").exists():
@@ -96,7 +103,7 @@ def main(arguments: List[str]) -> int:
             problems.append(f"{user}: no object files or no libraries are known of it")
         packages = packages_of(used | libraries)
         # A shared library and its headers are two packages.
-        packages = {re.sub(r"^lib(meshoptimizer|microhttpd|openmpi|mpich)[\d.]+(d|t64)?$", r"lib\1-dev", name) for name in packages}
+        packages = {headers_of(name) for name in packages}
         listed = {one["package"] for one in notices.linked_into(binary)}
         problems += [f"{user}: {name} is used, and not in third_party.json" for name in sorted(packages - listed)]
         problems += [f"{user}: {name} is in third_party.json, and not used" for name in sorted(listed - packages)]
