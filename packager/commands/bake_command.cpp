@@ -145,7 +145,7 @@ void BakeCommand::run() {
   if (!report.empty()) lock = claim_report_folder(report);
   std::string figures;
   {
-    ProgressBar progress(ProgressBar::Work::bake);
+    ProgressBar progress(report.empty() ? ProgressBar::Work::bake : ProgressBar::Work::bake_with_report);
     for (const std::string& note : notes) progress.note(note);
     figures = bake(source, progress, progress.callbacks()).json();
   }

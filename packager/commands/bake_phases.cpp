@@ -1,9 +1,6 @@
 #include "commands/bake_phases.h"
 
 #include <algorithm>
-
-#include "commands/time_left.h"
-
 namespace fb::tool {
 namespace {
 
@@ -13,9 +10,11 @@ struct PhaseFacts {
   double stages;  // that it usually has
 };
 
-// By Phase. Rounded from what `facebaker bake sample --poses 4000` tells with --recipe hero.
-constexpr PhaseFacts phases[] = {{"sampling poses", 0.05, 4}, {"analysing the rig", 0.5, 100}, {"training", 0.35, 7},
-                                 {"packing", 0.05, 2},        {"measuring", 0.05, 9},          {"drawing", 0.0, 1}};
+// By Phase. Rounded from what `facebaker bake sample --recipe compact --poses 8000 --report` tells, where training has
+// six short stages before its own.
+constexpr PhaseFacts phases[] = {{"sampling poses", 0.07, 4}, {"analysing the rig", 0.3, 100}, {"training", 0.48, 20},
+                                 {"packing", 0.07, 2},        {"measuring", 0.03, 9},          {"drawing", 0.05, 2}};
+constexpr std::string_view longest_training = "training";  // the stage of it
 
 const PhaseFacts& facts_of(Phase phase) {
   return phases[static_cast<std::size_t>(phase)];
@@ -29,12 +28,13 @@ double share_before(Phase phase) {
 
 }  // namespace
 
-bool BakePhases::begin(Phase of_stage) {
+bool BakePhases::begin(Phase of_stage, std::string_view stage) {
   const Phase phase = std::max(phase_, of_stage);
   const bool fresh = !begun_ || phase != phase_;
   stages_ = fresh ? 0 : stages_ + 1;
   phase_ = phase;
   begun_ = true;
+  trains_ = trains_ || stage == longest_training;
   update(0);
   return fresh;
 }
@@ -50,10 +50,17 @@ std::string BakePhases::name() const {
   return begun_ ? facts_of(phase_).name : "";
 }
 
-std::optional<double> seconds_left(Phase phase, std::string_view stage, double stage_left, double gone) {
-  if (phase < Phase::training || (phase == Phase::training && !stage.starts_with("training"))) return std::nullopt;
-  const double to_come = std::max(0.0, 1 - share_before(phase) - facts_of(phase).share);
-  return stage_left + (gone + stage_left) * to_come / (1 - to_come);
+double BakePhases::share_after(Phase phase) const {
+  const double drawing = draws_ ? 0 : facts_of(Phase::writing).share;
+  return std::max(0.0, 1 - share_before(phase) - facts_of(phase).share - drawing);
+}
+
+std::optional<double> BakePhases::seconds_left(double stage_left, double gone) {
+  if (!trains_) return std::nullopt;
+  const double to_come = share_after(phase_);
+  const double left = stage_left + (gone + stage_left) * to_come / (1 - to_come);
+  if (left > 0) done_ = std::max(done_, gone / (gone + left));
+  return left;
 }
 
 }  // namespace fb::tool

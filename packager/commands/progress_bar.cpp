@@ -10,7 +10,6 @@
 #include "base/visible_text.h"
 #include "commands/interrupt.h"
 #include "commands/terminal.h"
-#include "commands/time_left.h"
 
 namespace fb::tool {
 namespace {
@@ -19,6 +18,7 @@ constexpr auto redraw_interval = std::chrono::milliseconds(100);
 constexpr auto line_interval = std::chrono::seconds(15);
 constexpr std::size_t most_cells = 28, least_cells = 5;  // of a bar
 constexpr std::size_t usual_width = 80;                  // where a terminal does not tell
+constexpr double short_rest = 20;                        // seconds: of less, no more is told
 constexpr double least_worked = 0.05;                    // of a stage before how long a bake takes is estimated
 constexpr const char* clear_line = "\r\033[K";
 
@@ -48,7 +48,7 @@ ProgressBar::ProgressBar(Work work)
     : terminal_(::isatty(STDERR_FILENO)),
       coloured_(takes_colour(STDERR_FILENO)),
       exceptions_(std::uncaught_exceptions()) {
-  if (work == Work::bake) phases_.emplace();
+  if (work != Work::other) phases_.emplace(work == Work::bake_with_report);
 }
 
 ProgressBar::~ProgressBar() {
@@ -67,7 +67,7 @@ ProgressBar::~ProgressBar() {
 void ProgressBar::begin(Phase phase, std::string_view stage, std::uint64_t total) {
   const std::lock_guard lock(mutex_);
   const bool first = part_.empty();
-  const bool fresh = phases_ ? phases_->begin(phase) : stage != stage_;
+  const bool fresh = phases_ ? phases_->begin(phase, stage) : stage != stage_;
   part_ = stage;
   total_ = total;
   done_ = 0;
@@ -133,14 +133,15 @@ double ProgressBar::share() const {
 }
 
 // "2:07 left"; "" if nothing can be said yet.
-std::string ProgressBar::time_left(Clock::time_point now) const {
+std::string ProgressBar::time_left(Clock::time_point now) {
   if (done_ <= start_done_) return {};
   const auto worked = static_cast<double>(done_ - start_done_), more = static_cast<double>(total_ - done_);
   const double left = seconds_between(count_start_, now) * more / worked;
   if (!phases_) return duration_text(left) + " left";
   if (worked < least_worked * static_cast<double>(total_)) return {};
-  const std::optional<double> whole = seconds_left(phases_->phase(), part_, left, seconds_between(begin_, now));
-  return whole ? "about " + duration_text(*whole) + " left" : std::string();
+  const std::optional<double> whole = phases_->seconds_left(left, seconds_between(begin_, now));
+  if (!whole) return {};
+  return (*whole < short_rest ? "less than " + duration_text(short_rest) : "about " + duration_text(*whole)) + " left";
 }
 
 void ProgressBar::draw(Clock::time_point now) {

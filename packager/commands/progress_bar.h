@@ -18,7 +18,7 @@ namespace fb::tool {
 // Cancelled by the signals of interrupt.h. All members are thread-safe.
 class ProgressBar final : public Progress {
  public:
-  enum class Work { other, bake };
+  enum class Work { other, bake, bake_with_report };
 
   // Of a bake, each phase is told once (bake_phases.h), with the share of the whole that is done and an estimate of how
   // long the rest takes.
@@ -39,7 +39,7 @@ class ProgressBar final : public Progress {
   bool begins(std::string_view stage, std::uint64_t done);
   void draw(Clock::time_point now);
   double share() const;
-  std::string time_left(Clock::time_point now) const;
+  std::string time_left(Clock::time_point now);
   void finish_stage();
 
   const bool terminal_, coloured_;

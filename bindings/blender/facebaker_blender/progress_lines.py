@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from typing import List
 
-_SHARE = re.compile(r"^(?P<stage>[^:]+): +(?P<percent>\d+) %(?:, (?P<left>(?:about )?[\d:]+(?: s)?) left)?$")
+_SHARE = re.compile(r"^(?P<stage>[^:]+): +(?P<percent>\d+) %(?:, (?P<left>(?:about |less than )?[\d:]+(?: s)?) left)?$")
 _DONE = re.compile(r"^(?P<stage>[^:]+): +(?P<time>\d+ s|\d+(?::\d\d)+)$")
 _FAILED = re.compile(r"^facebaker(?: [a-z-]+)?: (?P<text>.+)$")
 
