@@ -32,6 +32,18 @@ ToolRun bake(int version, const ScratchFolder& folder, const std::string& name, 
 
 }  // namespace
 
+TEST_CASE("of a named work folder stays what a slow rig answered and the network's state, without the poses") {
+  const ScratchFolder folder;
+  const ToolRun run = run_tool({"bake", FB_FAULTY_RIG, "--out", folder / "face.fbk", "--recipe", "paper", "--poses",
+                                "300", "--epochs", "2", "--work", folder / "work"},
+                               {.environment = {"FB_FAULT=slow with a version"}});
+  REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+  const std::filesystem::path work = folder / "work";
+  CHECK(std::filesystem::exists(work / "rig.evaluations"));
+  CHECK(std::filesystem::exists(work / "network.checkpoint"));
+  CHECK_FALSE(std::filesystem::exists(work / "poses"));
+}
+
 TEST_CASE("after an edit of a rig, --reuse takes over what still holds, and the face is that of a whole bake") {
   const ScratchFolder folder;
   const ToolRun old = bake(1, folder, "old", {});

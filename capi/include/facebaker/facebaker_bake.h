@@ -328,8 +328,9 @@ typedef struct fb_bake_desc {
   const char* licence; /**< text that goes into the archive; null (default): none */
   const char*
       created;      /**< a date for the provenance; null (default): none, so that the same seed gives the same bytes */
-  const char* work; /**< folder that keeps what makes resuming possible; null (default): "<archive>.work", removed
-                       once the archive is whole */
+  const char* work; /**< folder that keeps what makes resuming possible; null (default): "<archive>.work". Once
+                       the archive is whole, that is removed, and of one that is named stays what reuse and the same
+                       bake with other exact poses need */
   fb_callbacks callbacks;
   const char* reuse; /**< work folder of an earlier bake, whose source was an earlier version of this one, with the same
                         polygons: what was evaluated then is taken over as far as it still holds, by the names of

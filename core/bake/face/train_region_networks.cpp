@@ -8,6 +8,7 @@
 
 #include "bake/face/network_sizes.h"
 #include "bake/face/region_poses.h"
+#include "bake/recipe/work_folder.h"
 #include "bake/train/trainer.h"
 #include "base/random_streams.h"
 #include "base/status.h"
@@ -113,7 +114,8 @@ class RegionTraining {
     const std::vector<std::uint32_t> widths(sets.size(), pilot_width);
     std::uint32_t epochs = affordable_epochs(widths, pilot_share * recipe_.training_flops, 1);
     if (options_.epochs) epochs = std::min(epochs, options_.epochs);
-    const std::vector<TrainedLayers> trained = train(widths, epochs, "first", "training narrow networks", progress);
+    const std::vector<TrainedLayers> trained =
+        train(widths, epochs, narrow_checkpoint, "training narrow networks", progress);
     for (std::size_t r = 0; r < sets.size(); ++r) demands[r].error *= relative_error(trained[r], sets[r]);
   }
 

@@ -25,6 +25,7 @@
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
 #include "bake/pipeline/scaled_archive.h"
+#include "bake/recipe/work_folder.h"
 #include "bake/rig/about.h"
 #include "bake/rig/changed_rig.h"
 #include "bake/rig/jointless_source.h"
@@ -467,7 +468,10 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
     throw;
   }
   keep_asking(progress, [&] { write_verified_archive(path, baked.archive); });
-  if (own_folder) remove_folder(options.work);
+  if (own_folder)
+    remove_folder(options.work);
+  else
+    tidy_work_folder(options.work);
   return baked;
 }
 

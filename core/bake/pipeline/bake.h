@@ -48,8 +48,9 @@ struct Baked : BakedFace, CertifiedFace {
 Baked bake_face(Source& source, const BakeOptions& options, Progress& progress);
 
 // bake_face, then write_verified_archive; that the file can be written is tried first. Whatever fails, an old file
-// stays. Without a work folder it uses "<path>.work" and removes that once the archive is whole; after a failure, the
-// same bake goes on from there. Holds the locks of the file and of the work folder (OutputLock).
+// stays. Without a work folder it uses "<path>.work" and removes that once the archive is whole (of one that is named,
+// see tidy_work_folder); after a failure, the same bake goes on from there. Holds the locks of the file and of the work
+// folder (OutputLock).
 Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress);
 
 // A trained and packed face, before it is written.

@@ -13,6 +13,7 @@
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
 #include "bake/pipeline/scaled_archive.h"
+#include "bake/recipe/work_folder.h"
 #include "bake/rig/changed_rig.h"
 #include "bake/rig/jointless_source.h"
 #include "bake/rig/scaled_source.h"

@@ -6,6 +6,7 @@
 
 #include "bake/measure/evaluate.h"
 #include "bake/pipeline/recipe_table.h"
+#include "bake/recipe/work_folder.h"
 #include "bake/sampling/coverage.h"
 #include "base/output_lock.h"
 #include "base/random_streams.h"
@@ -94,7 +95,7 @@ void measure_learning_curve(const PoseSet& training, const PoseSet& independent,
   const auto train_and_measure = [&](std::span<const std::uint32_t> subset) {
     if (subset.size() == training.size()) return errors_of(whole);
     BakeOptions part = options;
-    part.work = options.work / ("learning." + std::to_string(subset.size()));
+    part.work = options.work / part_folder_name(subset.size());
     const OutputLock lock = OutputLock::of_folder(part.work);
     RecipeResult result = recipe.make(training.picked(subset), rig, part, progress);
     return errors_of(take_packed(result));

@@ -5,6 +5,7 @@
 #include "bake/analysis/rig_analysis.h"
 #include "bake/dataset/open_source.h"
 #include "bake/pipeline/ensemble.h"
+#include "bake/recipe/work_folder.h"
 #include "bake/sampling/active_sampling.h"
 #include "bake/sampling/linear_rig.h"
 #include "base/status.h"
@@ -40,7 +41,7 @@ SamplingOptions sampling_options(const RigEvaluator& rig, const BakeOptions& opt
 OpenedSource sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits, bool recipes_evaluate,
                           Progress& progress) {
   const SamplingOptions sampling = sampling_options(rig, options, splits, recipes_evaluate);
-  const std::filesystem::path folder = options.work / "poses";
+  const std::filesystem::path folder = options.work / sampled_poses_name;
   if (options.rig_budget > 0 && recipes_evaluate)
     sample_actively(rig, sampling, {}, network_ensemble(options.seed, options.parallel, progress), folder, progress);
   else

@@ -9,9 +9,6 @@
 
 namespace fb::bake {
 
-// File in the work folder for evaluations of a slow rig, shared by all stages of a bake or comparison.
-inline constexpr const char* evaluations_name = "rig.evaluations";
-
 enum class SampledSplits {
   training,
   training_and_test,  // the rig's test clips too, or held-out random poses and synthetic shots where it has none
