@@ -1,15 +1,17 @@
 #!/bin/sh
 # Builds the documentation as a site, which any web server can give and a browser can open from the disk:
-#   docs/build_site.sh [--viewer FOLDER] [OUT_DIR]       default: build/site; then open OUT_DIR/index.html
-# --viewer: a built viewer (samples/viewer), which becomes the demo. Warnings are errors. Installs mkdocs, mkdocs-material,
+#   docs/build_site.sh [--viewer FOLDER] [--packages FOLDER] [OUT_DIR]    default: build/site; then open OUT_DIR/index.html
+# --viewer: a built viewer (samples/viewer), which becomes the demo. --packages: what packager/packages/build_debs.sh made, to
+# be downloaded. Warnings are errors. Installs mkdocs, mkdocs-material,
 # KaTeX and doxygen where they are missing (Debian, as root).
 set -eu
 cd "$(dirname "$0")/.."
-viewer="" out=build/site
+viewer="" packages="" out=build/site
 while [ $# -gt 0 ]; do
   case $1 in
     --viewer) [ $# -gt 1 ] || { echo "docs/build_site.sh: --viewer needs a folder" >&2; exit 2; }; viewer=$2; shift ;;
-    -*) echo "usage: docs/build_site.sh [--viewer FOLDER] [OUT_DIR]" >&2; exit 2 ;;
+    --packages) [ $# -gt 1 ] || { echo "docs/build_site.sh: --packages needs a folder" >&2; exit 2; }; packages=$2; shift ;;
+    -*) echo "usage: docs/build_site.sh [--viewer FOLDER] [--packages FOLDER] [OUT_DIR]" >&2; exit 2 ;;
     *) out=$1 ;;
   esac
   shift
@@ -27,13 +29,17 @@ done
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-/usr/bin/python3 -B docs/site/stage_site.py . "$work" ${viewer:+--viewer}
+/usr/bin/python3 -B docs/site/stage_site.py . "$work" ${viewer:+--viewer} ${packages:+--packages "$packages"}
 katex=/usr/share/javascript/katex
 mkdir -p "$work/pages/katex/fonts"
 cp -L "$katex/katex.min.js" "$katex/katex.min.css" "$work/pages/katex/"
 cp -L "$katex"/fonts/*.woff2 "$work/pages/katex/fonts/"
 (cd "$work" && mkdocs build --quiet --strict --site-dir site)
 docs/build_reference.sh "$work/site/reference"
+if [ -n "$packages" ]; then
+  mkdir "$work/site/downloads"
+  find "$packages" -maxdepth 1 \( -name '*.zip' -o -name '*.tar.gz' -o -name '*.deb' \) -exec cp {} "$work/site/downloads" \;
+fi
 [ -z "$viewer" ] || cp -r "$viewer" "$work/site/viewer"
 mkdir -p "$(dirname "$out")"
 rm -rf "$out.partial" && mv "$work/site" "$out.partial"

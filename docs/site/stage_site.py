@@ -2,8 +2,9 @@
 """Lays out the pages of the site for mkdocs: the Markdown of the tree in the tree's own folders, so that links between pages
 hold, with the files they link to, and mkdocs.yml with the entries whose page is there.
 
-    stage_site.py ROOT STAGE [--viewer]
+    stage_site.py ROOT STAGE [--viewer] [--packages FOLDER]
 
+--viewer: with the demo. --packages: with a page of the files in a folder that packager/packages/build_debs.sh made.
 Fails where a page of docs/ is in no entry of the navigation."""
 
 from __future__ import annotations
@@ -75,6 +76,17 @@ def named(entries: List[Any]) -> Set[str]:
     return found
 
 
+def downloads_page(intro: str, folder: pathlib.Path) -> str:
+    """The page of the files to download: what a reader wants first, then by name."""
+    order = [".zip", ".tar.gz", ".deb"]
+    files = [path for path in folder.iterdir() if any(path.name.endswith(suffix) for suffix in order)]
+    if not files:
+        raise SystemExit(f"{folder}: there are no packages; packager/packages/build_debs.sh builds them")
+    files.sort(key=lambda path: ([path.name.endswith(suffix) for suffix in order].index(True), path.name))
+    rows = [f"| [{path.name}](../downloads/{path.name}) | {path.stat().st_size / 1e6:.1f} MB |" for path in files]
+    return "\n".join([intro.rstrip(), "", "| file | size |", "| --- | ---: |", *rows, ""])
+
+
 def main(arguments: List[str]) -> int:
     root, stage = pathlib.Path(arguments[0]).resolve(), pathlib.Path(arguments[1]).resolve()
     pages = {page for pattern in PAGES for page in root.glob(pattern)} - {root / OF_DOXYGEN}
@@ -87,6 +99,10 @@ def main(arguments: List[str]) -> int:
         copies["demo.md"] = "docs/demo.md"
     for name, to in copies.items():
         place(pictures / to, own / name)
+    if "--packages" in arguments:
+        folder = pathlib.Path(arguments[arguments.index("--packages") + 1])
+        page = downloads_page((own / "downloads.md").read_text(encoding="utf-8"), folder)
+        (pictures / "docs" / "downloads.md").write_text(page, encoding="utf-8")
     for name in ("site.css", "site.js", "icon.svg"):
         place(pictures / "docs" / "site" / name, own / name)
     for header in (root / "capi" / "include" / "facebaker").iterdir():

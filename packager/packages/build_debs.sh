@@ -1,12 +1,18 @@
 #!/bin/sh
-# Builds the Debian packages, and archives of the source and of everything that is installed, of the committed tree:
-#   packager/packages/build_debs.sh [OUT_DIR]    by default build/packages
-# The viewer's page is part of them where samples/viewer/build.sh has built it into build/viewer.
+# Builds the Debian packages, archives of the source and of everything that is installed, and the add-on for Blender, of the
+# committed tree:
+#   packager/packages/build_debs.sh [--without-viewer] [OUT_DIR]    by default build/packages
+# The viewer's page is part of all of them, as it is in build/viewer; where it is not there, samples/viewer/build.sh builds it,
+# which installs Emscripten and npm and takes some 20 minutes. --without-viewer leaves it out.
 # Installs what building needs. In the environment: FB_MAINTAINER, "Name <address>", who the packages are by;
 # FB_PARALLEL, how many compilers run at once.
 set -eu
 cd "$(dirname "$0")/../.."
 viewer=$PWD/build/viewer
+if [ "${1-}" = --without-viewer ]; then
+  viewer=
+  shift
+fi
 out=${1:-build/packages}
 maintainer=${FB_MAINTAINER:-FaceBaker developers <developers@facebaker.invalid>}
 samples/setup.sh
@@ -25,6 +31,7 @@ case $version in
 esac
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
+[ -z "$viewer" ] || [ -f "$viewer/index.html" ] || samples/viewer/build.sh "$viewer"
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH
 
@@ -33,11 +40,7 @@ git archive --format=tar --prefix="facebaker-$version/" HEAD | gzip -9n >"$out/f
 cp "$out/facebaker-$version-source.tar.gz" "$out/debian/facebaker_$version.orig.tar.gz"
 tar -xzf "$out/debian/facebaker_$version.orig.tar.gz" -C "$out/debian"
 cd "$out/debian/facebaker-$version"
-if [ -f "$viewer/index.html" ]; then
-  cp -r "$viewer" viewer # beside the build folder, where packager/server looks for it
-else
-  echo "without the viewer's page, which samples/viewer/build.sh build/viewer builds" >&2
-fi
+[ -z "$viewer" ] || cp -r "$viewer" viewer # beside the build folder, where packager/server and make_addon.py look for it
 cp -r packager/packages/debian debian
 fill() {
   sed -e "s/@VERSION@/$version/g" -e "s/@SOVERSION@/$soversion/g" -e "s/@MAINTAINER@/$maintainer/g" \
@@ -72,6 +75,7 @@ build=$(ls -d obj-*)
   cmake --build "$build" --parallel "${FB_PARALLEL:-$(nproc)}"
 } >>"$out/build.log" 2>&1
 cpack --config "$build/CPackConfig.cmake" -D CPACK_PACKAGE_DIRECTORY="$out" -D CPACK_PACKAGING_INSTALL_PREFIX=/ >>"$out/build.log"
+/usr/bin/python3 -B bindings/blender/make_addon.py "$build" "$out/facebaker_blender-$version-Linux-$(uname -m).zip"
 cd "$out"
 rm -rf _CPack_Packages debian
-ls -l "$out"/*.deb "$out"/*.tar.gz
+ls -l "$out"/*.deb "$out"/*.tar.gz "$out"/*.zip

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <string>
 
@@ -37,6 +38,19 @@ TEST_CASE("the tree is tidy") {
   none(checks::pinned_packages(tree));
   none(checks::ranges_in_runtime(tree));
   none(checks::shared_streams(tree));
+}
+
+TEST_CASE("the site's navigation has every page") {
+  std::ifstream file(root / "docs" / "site" / "mkdocs.yml");
+  const std::string navigation(std::istreambuf_iterator<char>(file), {});
+  std::size_t pages = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(root / "docs")) {
+    const std::string name = entry.path().filename().string();
+    if (!name.ends_with(".md") || name == "reference.md") continue;  // that is Doxygen's front page
+    ++pages;
+    CHECK_MESSAGE(navigation.find(": docs/" + name + "\n") != std::string::npos, name);
+  }
+  CHECK(pages > 20);
 }
 
 TEST_CASE("the top of the tree holds what it is meant to hold") {
