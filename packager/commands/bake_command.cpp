@@ -6,6 +6,7 @@
 
 #include "base/length_units.h"
 #include "base/status.h"
+#include "commands/blender_bake.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/library_options.h"
@@ -36,7 +37,7 @@ struct BakeCommand {
   LibraryOptions options;
   Parallel parallel;
   RigOptions rigs;
-  bool json = false, thumbnail = true;
+  bool json = false, thumbnail = true, with_blender = false;
 
   void run();
 
@@ -138,6 +139,10 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
 }
 
 void BakeCommand::run() {
+  if (with_blender) {
+    if (sources.size() != 1) fail(Status::invalid_argument, "--with-blender: Blender bakes one file");
+    bake_with_blender(sources[0]);
+  }
   std::vector<std::string> notes;
   const facebaker::Source source =
       rigs.open(sources, notes, desc.rig_budget, desc.rig_budget > 0 ? 0 : drawn_test_poses);
@@ -177,8 +182,8 @@ void add_level_options(Command app, BakeCommand& command) {
 // What is kept of the work, and what is taken over of an earlier bake.
 void add_work_options(Command app, BakeCommand& command) {
   app.add_option("--work", command.work,
-                 "Folder that keeps what makes resuming possible; by default <out>.work, which is "
-                 "removed once the archive is complete")
+                 "Folder that keeps what makes resuming possible, and once the archive is complete, what --reuse and "
+                 "the same bake with other --exact need; by default <out>.work, which is then removed")
       .type_name("DIR");
   app.add_option(
          "--cache-mib", command.cache_mib,
@@ -218,6 +223,9 @@ void add_bake(Command tool) {
   command->options.add_to(app, FB_OPTION_FACE);
   add_licence(app, command->licence);
   add_about(app, command->about);
+  app.add_flag("--with-blender", command->with_blender,
+               "Have Blender bake SOURCE by the add-on: a .blend, or an .fbx, .usd, .abc, .dae, .vrm or .glb that it "
+               "imports; other options are those of the add-on (docs/blender.md)");
   app.add_flag("!--no-thumbnail", command->thumbnail, "Leave out the picture of the face that file managers show");
   app.add_option("--created", command->created, "A date to put into the archive; without it there is none")
       .type_name("DATE");

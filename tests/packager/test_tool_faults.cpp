@@ -112,7 +112,7 @@ TEST_CASE("messages about files with long paths give the reason and a part of th
       {{"bake", deep, "--out", out}, "is no dataset folder"},
       {{"bake", deep + "bad", "--out", out}, "is no JSON"},
       {{"bake", deep + "text.txt", "--out", out}, "neither a dataset folder"},
-      {{"bake", deep + "Text.FBX", "--out", out}, "bake --import FILE"},
+      {{"bake", deep + "Text.FBX", "--out", out}, "bake FILE --with-blender"},
       {{"bake", deep + "text.blend", "--out", out}, "a scene of Blender"},
       {{"bake", deep + "text.npy", "--out", out}, "positions without a rig"},
       {{"eval", face, deep + "text.fbk"}, "its source is the rig"},
