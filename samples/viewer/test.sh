@@ -26,6 +26,7 @@ if ! command -v "${CHROMIUM:-chromium}" >/dev/null; then
   [ "$(id -u)" -eq 0 ] || as_root=sudo
   $as_root apt-get -o DPkg::Lock::Timeout=600 -q install -y --no-install-recommends chromium >&2
 fi
+rm -f "$work"/*.mjs
 cp "$here"/tests/*.mjs "$here"/tests/package.json "$work"
 [ -d "$work/node_modules/playwright-core" ] && [ -d "$work/node_modules/axe-core" ] ||
   (cd "$work" && npm install --ignore-scripts --no-package-lock --no-audit --no-fund) >&2
@@ -77,5 +78,5 @@ fi
 cd "$work"
 export VIEWER_POSES="$work/poses" VIEWER_CHARACTER="$character" VIEWER_CHARACTER_POSES="$work/character" \
   VIEWER_JAW="$jaw" VIEWER_JAW_SOURCE="$work/jaw.glb" VIEWER_JAW_POSES="$work/jaw" VIEWER_REPORTS="$work/reports"
-node --test --test-concurrency=1 --test-name-pattern="${VIEWER_ONLY:-.}" viewer.test.mjs reports.test.mjs
+node --test --test-concurrency=1 --test-name-pattern="${VIEWER_ONLY:-.}" *.test.mjs
 echo "pictures: $work/pictures"

@@ -15,7 +15,8 @@ import { tell, telling } from "./ui/messages";
 import { startModeBar } from "./ui/mode_bar";
 import { startPlayerBar } from "./ui/player_bar";
 import { PosePanel } from "./ui/pose_panel";
-import { readAddress, sharePose } from "./ui/share";
+import { putPoseIntoAddress, readAddress, sharePose } from "./ui/share";
+import { StartCard } from "./ui/start_card";
 import { startStats } from "./ui/stats";
 import { startTabs } from "./ui/tabs";
 import { startTheme } from "./ui/theme";
@@ -26,30 +27,22 @@ interface Opening {
   faces: Promise<LoadedFace>[];
 }
 
-function showProgress(loaded: number, total: number): void {
-  byId<HTMLProgressElement>("loading-bar").value = total > 0 ? loaded / total : 0;
-}
+const card = new StartCard(byId("start"), () => byId("files").click());
 
 async function beginLoading(): Promise<Opening> {
   const asked = new URLSearchParams(location.search).get("face");
   const list = asked ? { faces: [{ name: asked.split("/").at(-1) ?? asked, url: asked }] } : await readViewList();
-  const faces = list.faces.map(({ name, url }) => loadFace(new URL(url, location.href).href, name, showProgress));
+  const faces = list.faces.map(({ name, url }) =>
+    loadFace(new URL(url, location.href).href, name, (loaded, total) => card.progress(name, loaded, total)),
+  );
   for (const face of faces) face.catch(() => undefined); // told when it is to be shown
   return { list, faces };
 }
 
-byId("loading").hidden = false;
-takeToken();
-const opening = beginLoading();
-// The archive and the module are on their way while the picture is made.
-await opening.catch(() => undefined);
-const stage = new Stage(byId<HTMLCanvasElement>("canvas"));
-const viewer = new Viewer(stage, (reason) => tell(reason, "error"));
-const timing = new TimeToFace(viewer);
-
-function startPanels(): void {
+function startPanels(viewer: Viewer): void {
+  const { stage } = viewer;
   const panel = new PosePanel(viewer);
-  const files = startFileDialogs(viewer);
+  const files = startFileDialogs(viewer, card);
   const showTab = startTabs(byId("tabs"));
   const share = (): void => void sharePose(viewer);
   startModeBar(viewer);
@@ -66,46 +59,83 @@ function startPanels(): void {
       panel.focusSearch();
     },
   });
-  startTheme(byId<HTMLButtonElement>("theme"), () => stage.draw());
   byId("open").addEventListener("click", files.open);
-  byId("open-first").addEventListener("click", files.open);
   byId("share").addEventListener("click", share);
   byId("home").addEventListener("click", () => stage.home());
   for (const button of document.querySelectorAll<HTMLButtonElement>("#cameras button[data-right]"))
     button.addEventListener("click", () => stage.lookFrom(Number(button.dataset.right), Number(button.dataset.up)));
 }
 
-viewer.opened.subscribe(() => {
-  byId("welcome").hidden = true;
+function showNames(viewer: Viewer): void {
   const two = viewer.faces.length > 1;
   const names = viewer.faces.map(({ face, name }) => (two ? name : face.name || name));
   byId("names").hidden = !two;
   byId("names").replaceChildren(...names.map((name) => element("span", {}, name)));
   byId("title").textContent = names.join(" and ");
   document.title = `${names.join(" and ")} · FaceBaker viewer`;
-});
+}
 
-async function start(): Promise<void> {
+/** Shows what the page was opened for. */
+async function showFirst(viewer: Viewer, opening: Promise<Opening>): Promise<void> {
   try {
-    const { list, faces } = await opening;
+    const { faces } = await opening;
     for (const [i, face] of faces.entries()) viewer.show(prepareFace(await face, i > 0 ? viewer.first!.face : null), i > 0);
-    if (!viewer.first) return;
-    readAddress(viewer);
-    viewer.addClips(await clipsBeside(list, viewer.first.face));
-    if (viewer.truth) viewer.truth.live = list.beside?.live === true;
-    viewer.modeChanged.emit();
-  } finally {
-    byId("loading").hidden = true;
-    byId("welcome").hidden = viewer.first !== null;
+    if (!viewer.first) card.welcome();
+  } catch (error) {
+    if (viewer.first) throw error;
+    return card.refused(error instanceof Error ? error.message : String(error));
+  }
+  if (!viewer.first) return;
+  const { list } = await opening;
+  readAddress(viewer);
+  viewer.addClips(await clipsBeside(list, viewer.first.face));
+  if (viewer.truth) viewer.truth.live = list.beside?.live === true;
+  viewer.modeChanged.emit();
+}
+
+/** The picture; null where the browser cannot draw it. */
+function makeStage(): Stage | null {
+  try {
+    return new Stage(byId<HTMLCanvasElement>("canvas"));
+  } catch {
+    return null;
   }
 }
 
-startPanels();
-addEventListener("hashchange", () => readAddress(viewer));
-void telling(start).then(() => offerHeadset(byId<HTMLButtonElement>("headset"), stage, () => {
-  const face = viewer.first?.face;
-  return { units: face?.units ?? "m", diagonal: face?.diagonal ?? 1 };
-}));
+async function main(): Promise<void> {
+  card.loading("the face");
+  takeToken();
+  const opening = beginLoading();
+  // The archive and the module are on their way while the picture is made.
+  await opening.catch(() => undefined);
+  const stage = makeStage();
+  startTheme(byId<HTMLButtonElement>("theme"), () => stage?.draw());
+  if (!stage) {
+    for (const id of ["open", "share", "help"]) byId<HTMLButtonElement>(id).disabled = true;
+    // Else the browser would leave the page for the file.
+    for (const event of ["dragover", "drop"]) addEventListener(event, (dropped) => dropped.preventDefault());
+    return card.noWebGl();
+  }
+  const viewer = new Viewer(stage, (reason) => tell(reason, "error"));
+  const timing = new TimeToFace(viewer);
+  stage.contextChanged = (lost) =>
+    card.setLost(lost, () => {
+      putPoseIntoAddress(viewer);
+      location.reload();
+    });
+  viewer.opened.subscribe(() => {
+    card.hide();
+    showNames(viewer);
+  });
+  startPanels(viewer);
+  addEventListener("hashchange", () => readAddress(viewer));
+  // For the console and for tests.
+  Object.assign(globalThis, { facebakerViewer: { viewer, timing } });
+  await telling(() => showFirst(viewer, opening));
+  await offerHeadset(byId<HTMLButtonElement>("headset"), stage, () => {
+    const face = viewer.first?.face;
+    return { units: face?.units ?? "m", diagonal: face?.diagonal ?? 1 };
+  });
+}
 
-// For the console and for tests.
-Object.assign(globalThis, { facebakerViewer: { viewer, timing } });
+void main();

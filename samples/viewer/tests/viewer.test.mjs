@@ -357,10 +357,10 @@ for (const [name, size] of [["wide", { width: 1280, height: 800 }], ["narrow", {
       await close();
     });
 
-test("greets where there is no face", async () => {
+test("greets where the face that is asked for is not there", async () => {
   const { page, close } = await openPage(browser, new URL("/?face=none.fbk", server.address).href, { ready: false });
-  await page.getByRole("alert").waitFor();
-  await page.getByRole("heading", { name: "Drop a face here" }).waitFor();
+  await page.getByRole("heading", { name: "This face cannot be shown" }).waitFor();
+  assert.match(await page.getByRole("alert").textContent(), /none\.fbk/);
   await picture(page, "welcome");
   assert.deepEqual(await violations(page), []);
   await close();

@@ -7,6 +7,8 @@ import type { Viewer } from "./viewer";
 
 const ending = (path: string): string => path.slice(path.lastIndexOf(".") + 1).toLowerCase();
 
+const nextPicture = (): Promise<void> => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+
 async function readClip(file: File, viewer: Viewer): Promise<Clip> {
   const face = viewer.first?.face;
   if (!face) throw new ClipError(`${file.name}: open a face first, which the clip is of`);
@@ -17,12 +19,20 @@ async function readClip(file: File, viewer: Viewer): Promise<Clip> {
 
 /**
  * Opens what was dropped or chosen, by path: archives, the second of which is shown beside the first; clips; a dataset
- * folder. `beside`: one archive is shown beside the one that is there, too. The first clip opened is shown.
+ * folder. `beside`: one archive is shown beside the one that is there, too. The first clip opened is shown. `loading`:
+ * is told the name of each archive before it is loaded.
  */
-export async function openFiles(files: ReadonlyMap<string, File>, viewer: Viewer, beside: boolean): Promise<void> {
+export async function openFiles(
+  files: ReadonlyMap<string, File>,
+  viewer: Viewer,
+  beside: boolean,
+  loading: (name: string) => void,
+): Promise<void> {
   const archives = [...files.values()].filter((file) => ending(file.name) === "fbk").slice(0, 2);
   for (const [i, file] of archives.entries()) {
     const second = i > 0 || (beside && viewer.first !== null);
+    loading(file.name);
+    await nextPicture(); // loading leaves no time for one
     const loaded = await loadFace(await file.arrayBuffer(), file.name);
     viewer.show(prepareFace(loaded, second ? viewer.first!.face : null), second);
   }

@@ -33,6 +33,8 @@ export class Stage {
   beforeDraw: (now: number) => void = () => {};
   /** Called once a picture is on the screen. */
   afterDraw: () => void = () => {};
+  /** Called when the browser has lost the graphics card (true), and when it has it again. */
+  contextChanged: (lost: boolean) => void = () => {};
   readonly #orbit: OrbitControls;
   #width = 1; // of what is looked at
   #angle = 0.32; // from the front, at the start
@@ -49,6 +51,12 @@ export class Stage {
     this.#orbit.minDistance = 0.15;
     this.#orbit.maxDistance = 12;
     this.#orbit.addEventListener("change", () => this.draw());
+    // The renderer has listened before: it keeps the context from being given up, and makes everything anew.
+    canvas.addEventListener("webglcontextlost", () => this.contextChanged(true));
+    canvas.addEventListener("webglcontextrestored", () => {
+      this.contextChanged(false);
+      this.draw();
+    });
     new ResizeObserver(() => this.#resize()).observe(canvas);
     this.#resize();
     this.home();

@@ -2,11 +2,14 @@ import { openFiles } from "../app/open_files";
 import type { Viewer } from "../app/viewer";
 import { chosenFiles, droppedFiles } from "../clips/dropped_files";
 import { byId, element } from "./dom";
-import { telling } from "./messages";
+import { tell } from "./messages";
+import type { StartCard } from "./start_card";
+
+const archivesOf = (files: ReadonlyMap<string, File>): string[] => [...files.keys()].filter((path) => path.toLowerCase().endsWith(".fbk"));
 
 /** Whether an archive shall stand beside the face that is there: asked where there is one. */
 async function askBeside(files: ReadonlyMap<string, File>, viewer: Viewer): Promise<boolean | null> {
-  const archives = [...files.keys()].filter((path) => path.toLowerCase().endsWith(".fbk"));
+  const archives = archivesOf(files);
   if (archives.length !== 1 || viewer.first === null) return false;
   const dialog = element("dialog", { "aria-labelledby": "ask-title" });
   const answer = (value: string, words: string, primary = false): HTMLButtonElement => {
@@ -29,16 +32,25 @@ export interface FileDialogs {
   openFolder(): void;
 }
 
+/** Opens files; what is wrong with them is told. */
+async function openTold(files: ReadonlyMap<string, File>, viewer: Viewer, card: StartCard): Promise<void> {
+  try {
+    const beside = await askBeside(files, viewer);
+    if (beside !== null) await openFiles(files, viewer, beside, (name) => card.loading(name));
+  } catch (error) {
+    const reason = error instanceof Error ? error.message : String(error);
+    if (viewer.first) card.hide();
+    if (viewer.first || archivesOf(files).length === 0) tell(reason, "error");
+    else card.refused(reason);
+  }
+}
+
 /** Files by dialog and by dropping them anywhere on the page. */
-export function startFileDialogs(viewer: Viewer): FileDialogs {
+export function startFileDialogs(viewer: Viewer, card: StartCard): FileDialogs {
   const input = byId<HTMLInputElement>("files");
   const folder = element("input", { type: "file", hidden: true, webkitdirectory: true, tabindex: "-1", "aria-hidden": "true" });
   document.body.append(folder);
-  const take = (files: Map<string, File>): Promise<void> =>
-    telling(async () => {
-      const beside = await askBeside(files, viewer);
-      if (beside !== null) await openFiles(files, viewer, beside);
-    });
+  const take = (files: Map<string, File>): Promise<void> => openTold(files, viewer, card);
   for (const chooser of [input, folder])
     chooser.addEventListener("change", () => {
       if (chooser.files && chooser.files.length > 0) void take(chosenFiles(chooser.files));

@@ -3,10 +3,15 @@ import type { Viewer } from "../app/viewer";
 import { applyLink, decodeLink, encodeLink } from "../pose/pose_link";
 import { tell } from "./messages";
 
-/** Puts pose, mode and camera into the address and copies it. */
-export async function sharePose(viewer: Viewer): Promise<void> {
+/** Puts pose, mode and camera into the address. */
+export function putPoseIntoAddress(viewer: Viewer): void {
   const hash = encodeLink(viewer.pose, { mode: viewer.mode, camera: viewer.stage.view });
   history.replaceState(null, "", `${location.pathname}${location.search}${hash}`);
+}
+
+/** Puts them there and copies the address. */
+export async function sharePose(viewer: Viewer): Promise<void> {
+  putPoseIntoAddress(viewer);
   try {
     await navigator.clipboard.writeText(location.href);
     tell("The link to this pose is copied.");
