@@ -40,17 +40,17 @@ else
   face=$work/face.fbk source=sample
   [ -f "$face" ] || "$tool" bake sample --recipe compact --poses 600 --epochs 4 --out "$face" >/dev/null
 fi
-masked=$work/masked.fbk
-if [ ! -f "$masked" ]; then
-  node "$here/tests/make_glb.mjs" masked "$work/masked.glb"
-  "$tool" bake "$work/masked.glb" --recipe linear --out "$masked" >/dev/null
-fi
+for name in masked body; do
+  [ ! -f "$work/$name.fbk" ] || continue
+  node "$here/tests/make_glb.mjs" $name "$work/$name.glb"
+  "$tool" bake "$work/$name.glb" --recipe linear --out "$work/$name.fbk" >/dev/null
+done
 jaw=$work/jaw.fbk # with a driven joint
 if [ ! -f "$jaw" ]; then
   node "$here/tests/make_glb.mjs" jaw "$work/jaw.glb"
   "$tool" bake "$work/jaw.glb" --joints controls --recipe compact --poses 200 --epochs 1 --out "$jaw" >/dev/null
 fi
-export VIEWER_MASKED="$masked"
+export VIEWER_MASKED="$work/masked.fbk" VIEWER_BODY="$work/body.fbk"
 export FACEBAKER="$tool" VIEWER_PAGE="$page" VIEWER_FACE="$face" VIEWER_SOURCE="$source" VIEWER_PICTURES="$work/pictures"
 if [ -n "$picture" ]; then
   cd "$work"

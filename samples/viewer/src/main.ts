@@ -61,6 +61,7 @@ function startPanels(viewer: Viewer): void {
   });
   byId("open").addEventListener("click", files.open);
   byId("share").addEventListener("click", share);
+  byId("face-camera").addEventListener("click", () => viewer.lookAtMoving());
   byId("home").addEventListener("click", () => stage.home());
   for (const button of document.querySelectorAll<HTMLButtonElement>("#cameras button[data-right]"))
     button.addEventListener("click", () => stage.lookFrom(Number(button.dataset.right), Number(button.dataset.up)));

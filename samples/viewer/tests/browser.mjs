@@ -17,6 +17,7 @@ export const settings = {
   data: process.env.VIEWER_DATA,
   character: process.env.VIEWER_CHARACTER,
   masked: process.env.VIEWER_MASKED,
+  body: process.env.VIEWER_BODY,
   characterPoses: process.env.VIEWER_CHARACTER_POSES,
   jaw: process.env.VIEWER_JAW,
   jawSource: process.env.VIEWER_JAW_SOURCE,

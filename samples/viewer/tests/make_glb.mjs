@@ -1,6 +1,7 @@
 // Writes a glTF file of a square with two morph targets.
-//   node make_glb.mjs masked|jaw OUT.glb
+//   node make_glb.mjs masked|jaw|body OUT.glb
 // masked: with an alpha-masked texture, opaque but for its rim.
+// body: two metres high, of which the uppermost 25 cm move.
 // jaw: on two joints, the lower of which an animation turns.
 import { writeFileSync } from "node:fs";
 import { crc32, deflateSync } from "node:zlib";
@@ -29,10 +30,13 @@ function png(size, colour) {
 
 const grid = (make) => Float32Array.from(
   Array.from({ length: SIDE * SIDE }, (_, v) => make((v % SIDE) / (SIDE - 1), Math.floor(v / SIDE) / (SIDE - 1))).flat());
-const positions = grid((x, y) => [x - 0.5, y - 0.5, 0]);
+const [, , kind, out] = process.argv;
+const body = kind === "body";
+const positions = grid((x, y) => (body ? [0.25 * (x - 0.5), 2 * y, 0] : [x - 0.5, y - 0.5, 0]));
 const normals = grid(() => [0, 0, 1]);
 const uvs = grid((x, y) => [x, 1 - y]);
-const targets = [grid((x, y) => [0, 0.2 * x * y, 0]), grid((x) => [0, 0, 0.2 * x * x])];
+const moved = (y) => (!body ? 0.2 : y > 0.8 ? 0.02 : 0);
+const targets = [grid((x, y) => [0, moved(y) * x * y, 0]), grid((x, y) => [0, 0, moved(y) * x * x])];
 const indices = new Uint16Array(6 * (SIDE - 1) ** 2);
 for (let cell = 0; cell < (SIDE - 1) ** 2; ++cell) {
   const a = Math.floor(cell / (SIDE - 1)) * SIDE + (cell % (SIDE - 1));
@@ -54,7 +58,6 @@ function accessor(data, type, componentType, size) {
   return accessors.length - 1;
 }
 const FLOAT = 5126, SHORT = 5123;
-const [, , kind, out] = process.argv;
 const primitive = {
   attributes: { POSITION: accessor(positions, "VEC3", FLOAT, 3), NORMAL: accessor(normals, "VEC3", FLOAT, 3),
                 TEXCOORD_0: accessor(uvs, "VEC2", FLOAT, 2) },
@@ -99,7 +102,7 @@ function addJaw() {
   Object.assign(accessors[times], { min: [0], max: [1] });
 }
 
-({ masked: addMask, jaw: addJaw })[kind]();
+({ masked: addMask, jaw: addJaw, body: () => undefined })[kind]();
 const binary = Buffer.concat(parts);
 document.buffers = [{ byteLength: binary.length }];
 const text = Buffer.from(JSON.stringify(document));

@@ -1,4 +1,5 @@
 import type { ExpectedError } from "facebaker";
+import { Box3 } from "three";
 import type { Clip } from "../clips/clip";
 import { Player } from "../clips/player";
 import { Pose } from "../pose/pose";
@@ -14,6 +15,7 @@ import { measureErrors, type VertexErrors } from "./vertex_errors";
 
 const GAP = 0.12; // between two faces, in diagonals
 const SIDE = 0.32; // radians from the front, from where one face is seen at first
+const SMALL_PART = 0.5; // of the diagonal
 
 const LOOKS: Record<Mode, Look> = {
   shaded: "shaded",
@@ -103,7 +105,7 @@ export class Viewer {
     this.stage.faces.add(shown.object);
     this.#arrange();
     this.mode = this.#mode;
-    this.stage.home();
+    this.#lookFirst();
     // Panels take longer to make than the picture, which comes first.
     requestAnimationFrame(() =>
       setTimeout(() => {
@@ -118,8 +120,15 @@ export class Viewer {
     for (const old of this.faces.splice(1)) closeFace(old);
     this.#arrange();
     this.mode = this.#mode;
-    this.stage.home();
+    this.#lookFirst();
     this.opened.emit();
+  }
+
+  /** Looks from the front at what moves of the faces; at the whole where nothing does. */
+  lookAtMoving(): void {
+    const box = this.#movingBox();
+    if (box) this.stage.frame(box);
+    else this.stage.home();
   }
 
   addClips(clips: readonly Clip[]): void {
@@ -165,6 +174,19 @@ export class Viewer {
     this.#distances = new Float32Array(shown.face.vertexCount);
     this.times.clear();
     this.player.open(null);
+  }
+
+  #movingBox(): Box3 | null {
+    const box = new Box3();
+    for (const { object } of this.faces) if (object.moving) box.union(object.moving.clone().translate(object.position));
+    return box.isEmpty() ? null : box;
+  }
+
+  /** As a face is seen at first: what moves, where that is small, such as the head of a body. */
+  #lookFirst(): void {
+    const moving = this.first?.object.moving;
+    if (moving && moving.min.distanceTo(moving.max) < SMALL_PART) this.lookAtMoving();
+    else this.stage.home();
   }
 
   #arrange(): void {

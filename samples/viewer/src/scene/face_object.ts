@@ -1,6 +1,7 @@
 import type { Face } from "facebaker";
 import { FaceBakerMesh } from "facebaker/three";
 import { Box3, Group, Vector3 } from "three";
+import { findMovingPart } from "../app/moving_part";
 import { AnalysisMesh } from "./analysis_mesh";
 
 export type Look = "shaded" | "wireframe" | "normals" | "colours";
@@ -12,6 +13,8 @@ const SKIN = { color: 0xd9a58a, roughness: 0.62 };
 export class FaceObject extends Group {
   /** How wide it is at rest, in diagonals. */
   readonly width: number;
+  /** The box of what its controls move, around its own origin, in diagonals; null where nothing moves. */
+  readonly moving: Box3 | null;
   readonly #shaded: FaceBakerMesh;
   #analysis: AnalysisMesh | null = null; // made when first looked at
   #look: Look = "shaded";
@@ -31,6 +34,14 @@ export class FaceObject extends Group {
     this.width = (box.max.x - box.min.x) * size;
     this.#scaled.add(this.#shaded);
     this.add(this.#scaled);
+    this.moving = this.#findMoving();
+  }
+
+  #findMoving(): Box3 | null {
+    const part = findMovingPart(this.face);
+    if (!part) return null;
+    this.#scaled.updateMatrixWorld(true);
+    return new Box3(new Vector3(...part.minimum), new Vector3(...part.maximum)).applyMatrix4(this.#shaded.matrixWorld);
   }
 
   /** The mesh whose vertices can be coloured; made now if there was none. */

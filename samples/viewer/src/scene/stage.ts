@@ -1,5 +1,6 @@
 import {
   AmbientLight,
+  type Box3,
   BufferAttribute,
   BufferGeometry,
   DirectionalLight,
@@ -18,6 +19,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const TURN = Math.PI / 24; // a key press
 const ZOOM = 1.1;
+const MARGIN = 1.5; // of a framed part, for what is around it and for the bars over the picture
 
 /**
  * The picture: camera, light, and what turns them. Lengths are diagonals of the first face. Draws when asked to, and
@@ -48,7 +50,7 @@ export class Stage {
     this.#orbit = new OrbitControls(this.camera, canvas);
     this.#orbit.enableDamping = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.#orbit.dampingFactor = 0.12;
-    this.#orbit.minDistance = 0.15;
+    this.#orbit.minDistance = 0.03;
     this.#orbit.maxDistance = 12;
     this.#orbit.addEventListener("change", () => this.draw());
     // The renderer has listened before: it keeps the context from being given up, and makes everything anew.
@@ -112,6 +114,16 @@ export class Stage {
     const room = Math.max(0.5, this.#width / 2 / Math.max(this.camera.aspect, 0.2));
     this.camera.position.setFromSpherical(new Spherical((room * 0.92) / half, Math.PI / 2 - 0.06, this.#angle));
     this.#orbit.target.set(0, 0, 0);
+    this.draw();
+  }
+
+  /** Looks at a box from the front, so that it fills most of the picture. */
+  frame(box: Box3): void {
+    const size = box.getSize(new Vector3());
+    const half = Math.tan((this.camera.fov * Math.PI) / 360);
+    const room = (MARGIN * Math.max(size.y, size.x / Math.max(this.camera.aspect, 0.2))) / 2;
+    const target = box.getCenter(this.#orbit.target);
+    this.camera.position.set(target.x, target.y, target.z + Math.max(room / half + size.z / 2, this.#orbit.minDistance));
     this.draw();
   }
 
