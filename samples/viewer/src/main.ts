@@ -6,6 +6,7 @@ import { Viewer } from "./app/viewer";
 import { Stage } from "./scene/stage";
 import { offerHeadset } from "./scene/vr_button";
 import { startAboutPanel } from "./ui/about_panel";
+import { watchBarHeights } from "./ui/bar_heights";
 import { startClipsPanel } from "./ui/clips_panel";
 import { byId, element } from "./ui/dom";
 import { startFileDialogs } from "./ui/file_dialogs";
@@ -45,6 +46,7 @@ function startPanels(viewer: Viewer): void {
   const files = startFileDialogs(viewer, card);
   const showTab = startTabs(byId("tabs"));
   const share = (): void => void sharePose(viewer);
+  watchBarHeights();
   startModeBar(viewer);
   startLegend(viewer);
   startStats(viewer);

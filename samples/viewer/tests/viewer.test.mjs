@@ -130,7 +130,7 @@ test("a face with driven joints is posed, played and measured as any other", asy
 
   await page.getByRole("tab", { name: "Clips" }).click();
   await page.locator("#clips .clips button").first().click();
-  await page.getByLabel("Frame").fill("10");
+  await page.getByLabel("Frame", { exact: true }).fill("10");
   await settle(page);
   await page.waitForFunction(() => globalThis.facebakerViewer.viewer.errors?.max > 0);
   const played = await measured();
@@ -186,7 +186,7 @@ test("plays and scrubs a clip beside the face, with its error", async () => {
   await page.waitForFunction(() => globalThis.facebakerViewer.viewer.player.frame > 2);
   await page.getByRole("button", { name: "Pause" }).click();
   await mode(page, "Error");
-  await page.getByLabel("Frame").fill("2");
+  await page.getByLabel("Frame", { exact: true }).fill("2");
   await settle(page);
   await page.waitForFunction(() => globalThis.facebakerViewer.viewer.errors?.max > 0);
   const { shown, truth } = await page.evaluate(() => {

@@ -7,9 +7,18 @@ export interface Beside {
   live: boolean;
 }
 
+/** Who is told of true positions. */
+export interface TruthListener {
+  /** Those of the pose shown may be known now. */
+  ready(): void;
+  /** Those of all frames of the clip that is open are: frames x vertices x 3. */
+  clipRead(clip: Clip, points: Float32Array): void;
+  failed(reason: string): void;
+}
+
 /**
  * Where vertices truly are in the pose shown: the recorded frame of a clip, or what a live rig beside the face answers.
- * Answers come later; ready() is called then.
+ * Answers come later; the listener is told then.
  */
 export class TruePositions {
   /** The server evaluates any pose of a live rig. */
@@ -22,8 +31,7 @@ export class TruePositions {
 
   constructor(
     readonly vertexCount: number,
-    readonly ready: () => void,
-    readonly failed: (reason: string) => void,
+    readonly listener: TruthListener,
   ) {}
 
   /** A clip is shown now; its positions are read if it has any. */
@@ -34,9 +42,10 @@ export class TruePositions {
       (points) => {
         if (this.#clip !== clip) return;
         this.#points = points;
-        this.ready();
+        this.listener.clipRead(clip, points);
+        this.listener.ready();
       },
-      (error: unknown) => this.failed(error instanceof Error ? error.message : String(error)),
+      (error: unknown) => this.listener.failed(error instanceof Error ? error.message : String(error)),
     );
   }
 
@@ -62,10 +71,10 @@ export class TruePositions {
       if (!answer.ok) throw new Error((await answer.text()).trim());
       this.#answer = new Float32Array(await answer.arrayBuffer());
       this.#asked = controls;
-      this.ready();
+      this.listener.ready();
     } catch (error) {
       this.live = false;
-      this.failed(error instanceof Error ? error.message : String(error));
+      this.listener.failed(error instanceof Error ? error.message : String(error));
     } finally {
       this.#busy = false;
     }

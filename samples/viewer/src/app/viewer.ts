@@ -7,6 +7,7 @@ import { colourParts, colourValues, roundScale } from "../scene/colour_scale";
 import type { Look } from "../scene/face_object";
 import type { Stage } from "../scene/stage";
 import type { Mode } from "./modes";
+import { ErrorCurve } from "./error_curve";
 import { closeFace, followedControls, type ShownFace } from "./open_faces";
 import { PoseTimes } from "./pose_times";
 import { Signal } from "./signal";
@@ -41,6 +42,8 @@ export class Viewer {
   /** Another list of clips. */
   readonly clipsChanged = new Signal();
   readonly player = new Player();
+  /** Errors of the clip's frames, where its true positions are known. */
+  readonly curve = new ErrorCurve();
   readonly times = new PoseTimes();
 
   faces: ShownFace[] = [];
@@ -61,10 +64,10 @@ export class Viewer {
     readonly failed: (reason: string) => void,
   ) {
     stage.beforeDraw = (now) => this.#beforeDraw(now);
-    this.player.changed.subscribe(() => {
+    this.player.changed.subscribe(() => stage.draw());
+    this.player.moved.subscribe(() => {
       const controls = this.player.controls();
       if (controls) this.pose.assign(controls);
-      stage.draw();
     });
   }
 
@@ -138,10 +141,17 @@ export class Viewer {
 
   /** Opens a clip at its first frame; null: none. */
   openClip(clip: Clip | null): void {
+    this.curve.open(clip);
     this.truth?.open(clip);
     this.player.open(clip);
     this.mode = this.#mode;
     this.clipsChanged.emit();
+  }
+
+  /** Goes to the frame of the clip with the next smaller error, from the worst one on. */
+  seekNextWorst(): void {
+    const frame = this.curve.nextWorst(this.player.frame);
+    if (frame !== null) this.player.seek(frame);
   }
 
   setScale(scale: number | null): void {
@@ -167,12 +177,18 @@ export class Viewer {
     this.pose = new Pose(shown.face.controls);
     this.pose.changed.subscribe(() => this.refresh());
     this.clips = [];
-    this.truth = new TruePositions(shown.face.vertexCount, () => {
-      this.modeChanged.emit();
-      this.refresh();
-    }, this.failed);
+    this.truth = new TruePositions(shown.face.vertexCount, {
+      ready: () => {
+        this.modeChanged.emit();
+        this.refresh();
+      },
+      clipRead: (clip, points) =>
+        void this.curve.measure(shown.face, clip, points).catch((error: unknown) => this.failed(String(error))),
+      failed: this.failed,
+    });
     this.#distances = new Float32Array(shown.face.vertexCount);
     this.times.clear();
+    this.curve.open(null);
     this.player.open(null);
   }
 
@@ -247,13 +263,20 @@ export class Viewer {
     if (!truth) return void colours.fill(0.7);
     this.errors = measureErrors(object.analysis.positions, truth, this.#distances);
     colourValues(this.errors.distances, this.scaleEnd, colours);
+    const frame = this.#frameShown();
+    if (this.#mode === "error" && frame !== null) this.curve.note(frame, this.errors.max);
   }
 
   /** Where the vertices truly are in this pose; null where that is not known (yet). */
   truePositions(): Float32Array | null {
-    const frame = this.player.controls();
-    const onFrame = frame !== null && frame.every((value, i) => value === this.pose.values[i] || this.#clamped(value, i));
-    return this.truth?.at(this.pose.values, onFrame ? this.player.frame : null) ?? null;
+    return this.truth?.at(this.pose.values, this.#frameShown()) ?? null;
+  }
+
+  /** The frame of the clip whose pose is shown; null where it is another pose. */
+  #frameShown(): number | null {
+    const controls = this.player.controls();
+    if (!controls) return null;
+    return controls.every((value, i) => value === this.pose.values[i] || this.#clamped(value, i)) ? this.player.frame : null;
   }
 
   #clamped(value: number, index: number): boolean {

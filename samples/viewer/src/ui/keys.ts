@@ -17,6 +17,8 @@ const HELP: readonly (readonly [string, string])[] = [
   ["1 … 7", "what is shown: shaded, wireframe, normals, ..."],
   ["Space", "play the clip, or pause it"],
   [", .", "the frame before, the next one"],
+  ["L", "begin the clip again at its end, or not"],
+  ["W", "the worst frame of the clip, then the next worst"],
   ["/", "search controls"],
   ["R", "all controls to rest"],
   ["M", "left and right together, or not"],
@@ -24,9 +26,21 @@ const HELP: readonly (readonly [string, string])[] = [
   ["C", "copy a link to the pose"],
 ];
 
-/** Whether a key means text or a slider there. */
+/** Whether a key means text there. */
 function typing(target: EventTarget | null): boolean {
-  return target instanceof HTMLInputElement || target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
+  return (target instanceof HTMLInputElement && target.type !== "range") || target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
+}
+
+/** Whether Space presses what has the focus: not a button that has it because it was clicked. */
+function watchPressable(): (target: EventTarget | null) => boolean {
+  let clicked: EventTarget | null = null;
+  document.addEventListener("focusin", () => {
+    clicked = null;
+  });
+  document.addEventListener("click", (event) => {
+    if (event.detail > 0) clicked = document.activeElement; // keys click without a count
+  });
+  return (target) => target instanceof HTMLElement && target.matches("button, summary") && target !== clicked;
 }
 
 function startHelp(): () => void {
@@ -42,6 +56,7 @@ function startHelp(): () => void {
 
 export function startKeys(viewer: Viewer, actions: KeyActions): void {
   const help = startHelp();
+  const pressable = watchPressable();
   const { stage, player } = viewer;
   const turns: Record<string, () => void> = {
     ArrowLeft: () => stage.turn(-1, 0),
@@ -65,6 +80,10 @@ export function startKeys(viewer: Viewer, actions: KeyActions): void {
     ".": () => player.seek(player.frame + 1),
     "/": actions.search,
     "?": help,
+    l: () => {
+      player.loop = !player.loop;
+    },
+    w: () => viewer.seekNextWorst(),
     f: () => viewer.lookAtMoving(),
     r: () => viewer.pose.reset(),
     o: actions.open,
@@ -73,13 +92,16 @@ export function startKeys(viewer: Viewer, actions: KeyActions): void {
   };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
-    const onButton = event.target instanceof HTMLButtonElement || (event.target as HTMLElement).tagName === "SUMMARY";
-    if (event.key === " " && onButton) return;
+    if (event.key === " " && pressable(event.target)) return;
     const digit = MODES[Number(event.key) - 1];
     if (digit && viewer.whyNot(digit.mode) === null) viewer.mode = digit.mode;
     const action = keys[event.key];
     if (!action) return;
     action();
     event.preventDefault();
+  });
+  // Firefox presses a button when Space comes up.
+  document.addEventListener("keyup", (event) => {
+    if (event.key === " " && event.target instanceof HTMLButtonElement && !pressable(event.target)) event.preventDefault();
   });
 }

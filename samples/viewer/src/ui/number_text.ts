@@ -18,6 +18,12 @@ export function lengthText(length: number, units: string, diagonal: number): str
   return `${inUnits(length, units)}${millimetres} = ${figure(length / diagonal)} D`;
 }
 
+/** In millimetres where the unit is metric, else in the unit. */
+export function millimetresText(length: number, units: string): string {
+  const factor = units === "mm" ? 1 : MILLIMETRES[units];
+  return factor === undefined ? inUnits(length, units) : `${figure(length * factor)} mm`;
+}
+
 export function inUnits(length: number, units: string): string {
   return `${figure(length)} ${units}`;
 }
