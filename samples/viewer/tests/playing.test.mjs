@@ -80,6 +80,22 @@ test("a clip is played slower and faster, and again or once", async () => {
   await close();
 });
 
+test("an edit pauses the clip and stays", async () => {
+  const { page, close } = await openPage(browser, server.address);
+  await openClip(page);
+  await page.keyboard.press("Space");
+  await playing(page, true);
+  const set = await page.evaluate(() => {
+    const { pose } = globalThis.facebakerViewer.viewer;
+    pose.set(3, pose.controls[3].maximum);
+    return pose.values[3];
+  });
+  await playing(page, false);
+  await settle(page);
+  assert.equal(await page.evaluate(() => globalThis.facebakerViewer.viewer.pose.values[3]), set);
+  await close();
+});
+
 /** The largest error of each frame of the clip, by posing and the true positions alone. */
 const largestErrors = (page) => page.evaluate(async () => {
   const { viewer } = globalThis.facebakerViewer;

@@ -67,7 +67,7 @@ export class Viewer {
     this.player.changed.subscribe(() => stage.draw());
     this.player.moved.subscribe(() => {
       const controls = this.player.controls();
-      if (controls) this.pose.assign(controls);
+      if (controls) this.pose.follow(controls);
     });
   }
 
@@ -176,6 +176,7 @@ export class Viewer {
   #start(shown: ShownFace): void {
     this.pose = new Pose(shown.face.controls);
     this.pose.changed.subscribe(() => this.refresh());
+    this.pose.edited.subscribe(() => this.player.pause());
     this.clips = [];
     this.truth = new TruePositions(shown.face.vertexCount, {
       ready: () => {

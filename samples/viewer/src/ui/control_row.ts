@@ -25,10 +25,13 @@ export class ControlRow {
     const label = element("span", { class: "label", title: title.filter(Boolean).join(" · ") }, name);
     this.element = element("div", { class: "control" }, label, this.#number, reset, this.#slider);
     this.#slider.addEventListener("input", () => pose.set(index, this.#slider.valueAsNumber));
+    // A drag is a step of the history, and so is holding a key.
+    for (const event of ["pointerdown", "change", "keyup"]) this.#slider.addEventListener(event, () => pose.endStep());
     this.#slider.addEventListener("dblclick", () => pose.reset([index]));
     this.#slider.addEventListener("keydown", (event) => this.#nudge(event, step));
     this.#number.addEventListener("change", () => {
       if (Number.isFinite(this.#number.valueAsNumber)) pose.set(index, this.#number.valueAsNumber);
+      pose.endStep();
       this.#shown = NaN;
       this.show();
     });

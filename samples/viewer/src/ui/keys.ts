@@ -20,6 +20,7 @@ const HELP: readonly (readonly [string, string])[] = [
   ["L", "begin the clip again at its end, or not"],
   ["W", "the worst frame of the clip, then the next worst"],
   ["/", "search controls"],
+  ["Ctrl+Z", "undo what was done to the pose; with Shift redo it"],
   ["R", "all controls to rest"],
   ["M", "left and right together, or not"],
   ["O", "open files"],
@@ -41,6 +42,16 @@ function watchPressable(): (target: EventTarget | null) => boolean {
     if (event.detail > 0) clicked = document.activeElement; // keys click without a count
   });
   return (target) => target instanceof HTMLElement && target.matches("button, summary") && target !== clicked;
+}
+
+/** Undoes or redoes where that is what the keys mean; returns whether. In a text Ctrl+Z is the text's own. */
+function undoes(event: KeyboardEvent, { pose }: Viewer): boolean {
+  const key = event.key.toLowerCase();
+  const text = typing(event.target) && (event.target as HTMLInputElement).type !== "number";
+  if (!(event.ctrlKey || event.metaKey) || event.altKey || text || (key !== "z" && key !== "y")) return false;
+  if (key === "y" || event.shiftKey) pose.redo();
+  else pose.undo();
+  return true;
 }
 
 function startHelp(): () => void {
@@ -91,6 +102,7 @@ export function startKeys(viewer: Viewer, actions: KeyActions): void {
     m: () => document.querySelector<HTMLButtonElement>("#pose button[aria-pressed]")?.click(),
   };
   document.addEventListener("keydown", (event) => {
+    if (undoes(event, viewer)) return void event.preventDefault();
     if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
     if (event.key === " " && pressable(event.target)) return;
     const digit = MODES[Number(event.key) - 1];

@@ -3,6 +3,7 @@ import type { Viewer } from "../app/viewer";
 import type { Pose } from "../pose/pose";
 import { ControlRow } from "./control_row";
 import { byId, element } from "./dom";
+import { UndoButtons } from "./undo_buttons";
 
 interface Group {
   body: HTMLElement;
@@ -14,11 +15,12 @@ interface Group {
 
 const OPEN_AT_FIRST = 24; // rows, of the groups that are open when a face is new
 
-/** Controls by group, with search, resets and the link between sides; and the exact poses as buttons. */
+/** Controls by group, with search, undo, resets and the link between sides; and the exact poses as buttons. */
 export class PosePanel {
   readonly #panel = byId("pose");
   readonly #search = element("input", { type: "search", id: "search", placeholder: "Search controls", "aria-label": "Search controls" });
   readonly #link = element("button", { type: "button", "aria-pressed": "false", title: "Move left and right together" }, "Mirror");
+  readonly #undo: UndoButtons;
   readonly #moved = element("span", { class: "grow", role: "status" });
   readonly #resetAll = element("button", { type: "button", title: "All controls to rest (R)" }, "Reset all");
   readonly #none = element("p", { class: "none", hidden: true }, "No control has this in its name.");
@@ -26,6 +28,7 @@ export class PosePanel {
   #groups: Group[] = [];
 
   constructor(readonly viewer: Viewer) {
+    this.#undo = new UndoButtons(viewer);
     this.#search.addEventListener("input", () => this.#filter());
     this.#resetAll.addEventListener("click", () => this.#pose?.reset());
     this.#link.addEventListener("click", () => {
@@ -61,7 +64,13 @@ export class PosePanel {
       group.details.open = rows === 0 || rows + group.rows.length <= OPEN_AT_FIRST;
       rows += group.rows.length;
     }
-    const find = element("div", { class: "find" }, this.#search, element("div", { class: "row" }, this.#moved, this.#link, this.#resetAll));
+    this.#undo.follow();
+    const find = element(
+      "div",
+      { class: "find" },
+      element("div", { class: "row" }, this.#search, this.#undo.undo, this.#undo.redo),
+      element("div", { class: "row" }, this.#moved, this.#link, this.#resetAll),
+    );
     this.#panel.replaceChildren(find, ...this.#exactPoses(pose), this.#none, ...this.#groups.map(({ details }) => details));
     pose.changed.subscribe(() => this.#show());
     this.#show();
