@@ -59,7 +59,7 @@ test("a drag is undone at once, and done again; by keys and by buttons", async (
 
 test("Ctrl+Z in a text is the text's own; played frames are no steps", async () => {
   const { page, close } = await openPage(browser, server.address);
-  await page.evaluate(() => globalThis.facebakerViewer.viewer.pose.set(3, 1));
+  await page.keyboard.press("x");
   const random = await values(page);
   await page.getByLabel("Search controls").fill("jaw");
   await page.keyboard.press("Control+z");
@@ -75,5 +75,42 @@ test("Ctrl+Z in a text is the text's own; played frames are no steps", async () 
     return count;
   });
   assert.equal(steps, 1);
+  await close();
+});
+
+test("a random pose moves a few controls of up to three groups; both sides where they are linked", async () => {
+  const { page, close } = await openPage(browser, server.address);
+  const moved = () => page.evaluate(() => {
+    const { pose } = globalThis.facebakerViewer.viewer;
+    const indices = [...pose.values.keys()].filter((i) => !pose.isAtRest(i));
+    return {
+      count: indices.length,
+      groups: new Set(indices.map((i) => pose.controls[i].group)).size,
+      inside: indices.every((i) => pose.values[i] >= pose.controls[i].minimum && pose.values[i] <= pose.controls[i].maximum),
+      single: indices.filter((i) => pose.partners[i] >= 0 && pose.values[pose.partners[i]] !== pose.mirrored(i, pose.partners[i], pose.values[i])).length,
+      paired: indices.filter((i) => pose.partners[i] >= 0).length,
+    };
+  });
+  const seen = new Set();
+  const button = page.getByRole("button", { name: "Random" });
+  for (let i = 0; i < 12; ++i) {
+    if (i % 2 === 0) await button.click();
+    else await page.keyboard.press("x");
+    const pose = await moved();
+    assert.ok(pose.count >= 1 && pose.count <= 9 && pose.groups >= 1 && pose.groups <= 3 && pose.inside, JSON.stringify(pose));
+    seen.add(String(await values(page)));
+  }
+  assert.equal(seen.size, 12, "each pose is another one");
+  await page.getByRole("button", { name: "Mirror" }).click();
+  let paired = 0;
+  for (let i = 0; i < 12; ++i) {
+    await button.click();
+    const pose = await moved();
+    assert.equal(pose.single, 0, JSON.stringify(pose));
+    paired += pose.paired;
+  }
+  assert.ok(paired > 0);
+  await undo(page).click();
+  await settle(page);
   await close();
 });

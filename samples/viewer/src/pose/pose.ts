@@ -2,6 +2,7 @@ import type { Control } from "facebaker";
 import { Signal } from "../app/signal";
 import { findPairs } from "./control_pairs";
 import { PoseHistory } from "./pose_history";
+import { randomPose } from "./random_pose";
 
 /** The values of all controls of a face, and who is to know when they change. */
 export class Pose {
@@ -61,6 +62,10 @@ export class Pose {
     if (indices === undefined) values.set(this.rest);
     else for (const index of indices) values[index] = this.rest[index];
     this.assign(values);
+  }
+
+  randomise(): void {
+    this.assign(randomPose(this));
   }
 
   undo(): void {

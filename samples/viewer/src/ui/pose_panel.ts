@@ -20,6 +20,7 @@ export class PosePanel {
   readonly #panel = byId("pose");
   readonly #search = element("input", { type: "search", id: "search", placeholder: "Search controls", "aria-label": "Search controls" });
   readonly #link = element("button", { type: "button", "aria-pressed": "false", title: "Move left and right together" }, "Mirror");
+  readonly #random = element("button", { type: "button", title: "A few controls at random (X)" }, "Random");
   readonly #undo: UndoButtons;
   readonly #moved = element("span", { class: "grow", role: "status" });
   readonly #resetAll = element("button", { type: "button", title: "All controls to rest (R)" }, "Reset all");
@@ -30,6 +31,7 @@ export class PosePanel {
   constructor(readonly viewer: Viewer) {
     this.#undo = new UndoButtons(viewer);
     this.#search.addEventListener("input", () => this.#filter());
+    this.#random.addEventListener("click", () => this.#pose?.randomise());
     this.#resetAll.addEventListener("click", () => this.#pose?.reset());
     this.#link.addEventListener("click", () => {
       if (!this.#pose) return;
@@ -69,7 +71,7 @@ export class PosePanel {
       "div",
       { class: "find" },
       element("div", { class: "row" }, this.#search, this.#undo.undo, this.#undo.redo),
-      element("div", { class: "row" }, this.#moved, this.#link, this.#resetAll),
+      element("div", { class: "row" }, this.#moved, this.#link, this.#random, this.#resetAll),
     );
     this.#panel.replaceChildren(find, ...this.#exactPoses(pose), this.#none, ...this.#groups.map(({ details }) => details));
     pose.changed.subscribe(() => this.#show());
