@@ -1,4 +1,5 @@
 import { takeToken } from "./app/access_token";
+import { keepExpressions } from "./app/kept_expressions";
 import { type LoadedFace, loadFace, prepareFace } from "./app/open_faces";
 import { TimeToFace } from "./app/time_to_face";
 import { clipsBeside, readViewList, type ViewList } from "./app/view_list";
@@ -9,12 +10,14 @@ import { startAboutPanel } from "./ui/about_panel";
 import { watchBarHeights } from "./ui/bar_heights";
 import { startClipsPanel } from "./ui/clips_panel";
 import { byId, element } from "./ui/dom";
+import { startExpressionsPanel } from "./ui/expressions_panel";
 import { startFileDialogs } from "./ui/file_dialogs";
-import { startKeys } from "./ui/keys";
+import { startKeys, typing } from "./ui/keys";
 import { startLegend } from "./ui/legend";
 import { tell, telling } from "./ui/messages";
 import { startModeBar } from "./ui/mode_bar";
 import { startPlayerBar } from "./ui/player_bar";
+import { startPoseClipboard } from "./ui/pose_clipboard";
 import { PosePanel } from "./ui/pose_panel";
 import { putPoseIntoAddress, readAddress, sharePose } from "./ui/share";
 import { StartCard } from "./ui/start_card";
@@ -53,12 +56,19 @@ function startPanels(viewer: Viewer): void {
   startPlayerBar(viewer);
   startAboutPanel(viewer);
   startClipsPanel(viewer, files.open, files.openFolder);
+  const nameExpression = startExpressionsPanel(viewer, files.open);
+  keepExpressions(viewer);
+  startPoseClipboard(viewer, typing);
   startKeys(viewer, {
     open: files.open,
     share,
     search: () => {
       showTab("pose");
       panel.focusSearch();
+    },
+    keepExpression: () => {
+      showTab("expressions");
+      nameExpression();
     },
   });
   byId("open").addEventListener("click", files.open);

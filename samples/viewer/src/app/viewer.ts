@@ -2,6 +2,7 @@ import type { ExpectedError } from "facebaker";
 import { Box3 } from "three";
 import type { Clip } from "../clips/clip";
 import { Player } from "../clips/player";
+import { ExpressionList } from "../pose/expressions";
 import { Pose } from "../pose/pose";
 import { colourParts, colourValues, roundScale } from "../scene/colour_scale";
 import type { Look } from "../scene/face_object";
@@ -33,6 +34,8 @@ const LEAST_SCALE = 1e-4;
 
 /** What is on the screen: one or two faces in a pose, looked at in a mode. Panels listen to its signals. */
 export class Viewer {
+  /** The first face is another one, with a pose of its own; told at once, before panels are made. */
+  readonly started = new Signal();
   /** Other faces. */
   readonly opened = new Signal();
   /** Another pose, mode or scale was drawn: figures are other ones. */
@@ -41,6 +44,7 @@ export class Viewer {
   readonly modeChanged = new Signal();
   /** Another list of clips. */
   readonly clipsChanged = new Signal();
+  readonly expressions = new ExpressionList();
   readonly player = new Player();
   /** Errors of the clip's frames, where its true positions are known. */
   readonly curve = new ErrorCurve();
@@ -191,6 +195,7 @@ export class Viewer {
     this.times.clear();
     this.curve.open(null);
     this.player.open(null);
+    this.started.emit();
   }
 
   #movingBox(): Box3 | null {

@@ -1,6 +1,6 @@
 import type { Control } from "facebaker";
 import { type Clip, ClipError } from "./clip";
-import { type CsvTable, parseCsv } from "./csv";
+import { type CsvTable, numberOf, parseCsv } from "./csv";
 import { matchNames } from "./match_names";
 
 /** Frames of timecodes a second that are in use. */
@@ -48,12 +48,6 @@ function parseTimecode(text: string, where: string): Timecode {
   if (!match || hours > 23 || minutes > 59 || seconds > 59 || frames >= 1000)
     throw new ClipError(`${where}: the timecode "${text}" is not hours:minutes:seconds:frames`);
   return { seconds: 60 * (60 * hours + minutes) + seconds, frames };
-}
-
-function numberOf(text: string, where: string): number {
-  const value = text === "" ? NaN : Number(text);
-  if (!Number.isFinite(value)) throw new ClipError(`${where}: "${text}" is no number`);
-  return value;
 }
 
 /** Appends a timecode; false, and nothing, if it is that before. Recordings may go on through midnight. */

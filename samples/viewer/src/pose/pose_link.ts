@@ -8,7 +8,7 @@ export interface SharedView {
 }
 
 /** The fewest digits that give the same float back. */
-function shortest(value: number): string {
+export function shortest(value: number): string {
   for (let digits = 1; digits < 9; ++digits) {
     const text = String(Number(value.toPrecision(digits)));
     if (Math.fround(Number(text)) === value) return text;

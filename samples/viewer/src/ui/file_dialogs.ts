@@ -36,7 +36,8 @@ export interface FileDialogs {
 async function openTold(files: ReadonlyMap<string, File>, viewer: Viewer, card: StartCard): Promise<void> {
   try {
     const beside = await askBeside(files, viewer);
-    if (beside !== null) await openFiles(files, viewer, beside, (name) => card.loading(name));
+    if (beside === null) return;
+    for (const note of await openFiles(files, viewer, beside, (name) => card.loading(name))) tell(note);
   } catch (error) {
     const reason = error instanceof Error ? error.message : String(error);
     if (viewer.first) card.hide();

@@ -6,6 +6,7 @@ export interface KeyActions {
   open(): void;
   share(): void;
   search(): void;
+  keepExpression(): void;
 }
 
 const HELP: readonly (readonly [string, string])[] = [
@@ -22,6 +23,8 @@ const HELP: readonly (readonly [string, string])[] = [
   ["/", "search controls"],
   ["Ctrl+Z", "undo what was done to the pose; with Shift redo it"],
   ["X", "a random pose"],
+  ["Ctrl+C, Ctrl+V", "copy the pose's values as text; pose the face by such a text"],
+  ["E", "keep the pose as an expression"],
   ["R", "all controls to rest"],
   ["M", "left and right together, or not"],
   ["O", "open files"],
@@ -29,7 +32,7 @@ const HELP: readonly (readonly [string, string])[] = [
 ];
 
 /** Whether a key means text there. */
-function typing(target: EventTarget | null): boolean {
+export function typing(target: EventTarget | null): boolean {
   return (target instanceof HTMLInputElement && target.type !== "range") || target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
 }
 
@@ -101,6 +104,7 @@ export function startKeys(viewer: Viewer, actions: KeyActions): void {
     r: () => viewer.pose.reset(),
     o: actions.open,
     c: actions.share,
+    e: actions.keepExpression,
     m: () => document.querySelector<HTMLButtonElement>("#pose button[aria-pressed]")?.click(),
   };
   document.addEventListener("keydown", (event) => {
