@@ -9,8 +9,9 @@ import { offerHeadset } from "./scene/vr_button";
 import { startAboutPanel } from "./ui/about_panel";
 import { watchBarHeights } from "./ui/bar_heights";
 import { startClipsPanel } from "./ui/clips_panel";
-import { byId, element } from "./ui/dom";
+import { byId } from "./ui/dom";
 import { startExpressionsPanel } from "./ui/expressions_panel";
+import { startFaceNames } from "./ui/face_names";
 import { startFileDialogs } from "./ui/file_dialogs";
 import { startKeys, typing } from "./ui/keys";
 import { startLegend } from "./ui/legend";
@@ -50,6 +51,7 @@ function startPanels(viewer: Viewer): void {
   const showTab = startTabs(byId("tabs"));
   const share = (): void => void sharePose(viewer);
   watchBarHeights();
+  startFaceNames(viewer);
   startModeBar(viewer);
   startLegend(viewer);
   startStats(viewer);
@@ -77,15 +79,6 @@ function startPanels(viewer: Viewer): void {
   byId("home").addEventListener("click", () => stage.home());
   for (const button of document.querySelectorAll<HTMLButtonElement>("#cameras button[data-right]"))
     button.addEventListener("click", () => stage.lookFrom(Number(button.dataset.right), Number(button.dataset.up)));
-}
-
-function showNames(viewer: Viewer): void {
-  const two = viewer.faces.length > 1;
-  const names = viewer.faces.map(({ face, name }) => (two ? name : face.name || name));
-  byId("names").hidden = !two;
-  byId("names").replaceChildren(...names.map((name) => element("span", {}, name)));
-  byId("title").textContent = names.join(" and ");
-  document.title = `${names.join(" and ")} · FaceBaker viewer`;
 }
 
 /** Shows what the page was opened for. */
@@ -136,10 +129,7 @@ async function main(): Promise<void> {
       putPoseIntoAddress(viewer);
       location.reload();
     });
-  viewer.opened.subscribe(() => {
-    card.hide();
-    showNames(viewer);
-  });
+  viewer.opened.subscribe(() => card.hide());
   startPanels(viewer);
   addEventListener("hashchange", () => readAddress(viewer));
   // For the console and for tests.

@@ -126,7 +126,7 @@ test("the curve has each frame's largest error, a click goes to the frame, and t
   assert.ok(Math.abs((await player(page)).frame - 0.5 * (expected.length - 1)) <= 1);
   const units = await page.evaluate(() => globalThis.facebakerViewer.viewer.first.face.units);
   const millimetres = Number((expected[worst] * { m: 1000, cm: 10, mm: 1 }[units]).toPrecision(3));
-  assert.match(await page.locator(".curve p").textContent(), new RegExp(`at worst ${millimetres} mm`.replace(".", "\\.")));
+  assert.match(await page.locator(".curve p").textContent(), new RegExp(`worst ${millimetres} mm`.replace(".", "\\.")));
   assert.match(await page.locator(".curve").getAttribute("aria-label"), new RegExp(`at frame ${worst + 1}\\.`));
 
   await page.getByRole("button", { name: "Next worst" }).click();

@@ -313,7 +313,7 @@ test("bars do not lie on each other at any width", async () => {
   for (const width of [1600, 1280, 1000, 800, 600, 390, 320]) {
     await page.setViewportSize({ width, height: 700 });
     const boxes = await page.evaluate(() =>
-      ["modes", "cameras", "stats"].map((id) => document.getElementById(id)).filter((bar) => !bar.hidden)
+      ["shows", "cameras", "stats"].map((id) => document.getElementById(id)).filter((bar) => !bar.hidden)
         .map((bar) => [bar.id, ...["left", "right", "top", "bottom"].map((side) => bar.getBoundingClientRect()[side])]));
     for (const [a, ...first] of boxes)
       for (const [b, ...other] of boxes)

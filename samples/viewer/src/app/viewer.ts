@@ -5,7 +5,7 @@ import { Player } from "../clips/player";
 import { ExpressionList } from "../pose/expressions";
 import { Pose } from "../pose/pose";
 import { colourParts, colourValues, roundScale } from "../scene/colour_scale";
-import type { Look } from "../scene/face_object";
+import { FaceObject, type Look } from "../scene/face_object";
 import type { Stage } from "../scene/stage";
 import type { Mode } from "./modes";
 import { ErrorCurve } from "./error_curve";
@@ -59,6 +59,8 @@ export class Viewer {
   /** Distances of what is shown, in the modes error and difference. */
   errors: VertexErrors | null = null;
   expected: ExpectedError | null = null;
+  /** The rig itself as the last one in the row, posed by its true positions; not visible where these are not known. */
+  trueRig: FaceObject | null = null;
   #mode: Mode = "shaded";
   #stale = false;
   #distances = new Float32Array(0);
@@ -84,7 +86,7 @@ export class Viewer {
   }
   set mode(mode: Mode) {
     this.#mode = this.whyNot(mode) === null ? mode : "shaded";
-    for (const { object } of this.faces) object.look = LOOKS[this.#mode];
+    for (const object of this.#objects()) object.look = LOOKS[this.#mode];
     this.refresh();
     this.modeChanged.emit();
   }
@@ -104,6 +106,7 @@ export class Viewer {
 
   /** Shows a face in place of all, or beside the first. */
   show(shown: ShownFace, beside: boolean): void {
+    if (!beside) this.trueRigBeside = false;
     const closed = beside ? this.faces.splice(1) : this.faces.splice(0);
     for (const old of closed) closeFace(old);
     this.faces.push(shown);
@@ -131,6 +134,26 @@ export class Viewer {
     this.opened.emit();
   }
 
+  get trueRigBeside(): boolean {
+    return this.trueRig !== null;
+  }
+  set trueRigBeside(beside: boolean) {
+    if (beside === this.trueRigBeside || (beside && !this.truth?.known)) return;
+    if (this.trueRig) {
+      this.trueRig.removeFromParent();
+      this.trueRig.dispose();
+      this.trueRig = null;
+    } else if (this.first) {
+      this.trueRig = new FaceObject(this.first.face);
+      this.trueRig.changed = () => this.stage.draw();
+      this.trueRig.visible = false;
+      this.stage.faces.add(this.trueRig);
+    }
+    this.#arrange();
+    this.mode = this.#mode;
+    this.#lookFirst();
+  }
+
   /** Looks from the front at what moves of the faces; at the whole where nothing does. */
   lookAtMoving(): void {
     const box = this.#movingBox();
@@ -147,6 +170,7 @@ export class Viewer {
   openClip(clip: Clip | null): void {
     this.curve.open(clip);
     this.truth?.open(clip);
+    if (!this.truth?.known) this.trueRigBeside = false;
     this.player.open(clip);
     this.mode = this.#mode;
     this.clipsChanged.emit();
@@ -198,9 +222,15 @@ export class Viewer {
     this.started.emit();
   }
 
+  /** What is drawn, from left to right. */
+  #objects(): FaceObject[] {
+    const objects = this.faces.map(({ object }) => object);
+    return this.trueRig ? [...objects, this.trueRig] : objects;
+  }
+
   #movingBox(): Box3 | null {
     const box = new Box3();
-    for (const { object } of this.faces) if (object.moving) box.union(object.moving.clone().translate(object.position));
+    for (const object of this.#objects()) if (object.moving) box.union(object.moving.clone().translate(object.position));
     return box.isEmpty() ? null : box;
   }
 
@@ -212,15 +242,16 @@ export class Viewer {
   }
 
   #arrange(): void {
-    const widths = this.faces.map(({ object }) => object.width);
+    const objects = this.#objects();
+    const widths = objects.map((object) => object.width);
     const all = widths.reduce((sum, width) => sum + width, GAP * (widths.length - 1));
     let left = -all / 2;
-    this.faces.forEach(({ object }, i) => {
+    objects.forEach((object, i) => {
       object.position.x = left + widths[i] / 2;
       left += widths[i] + GAP;
     });
     // Two faces are seen alike only from the front.
-    this.stage.setScene(all * 1.25, this.faces.length > 1 ? 0 : SIDE);
+    this.stage.setScene(all * 1.25, Math.max(...objects.map((object) => object.height)), objects.length > 1 ? 0 : SIDE);
   }
 
   #beforeDraw(now: number): void {
@@ -233,8 +264,17 @@ export class Viewer {
       const milliseconds = shown.object.pose(controls);
       if (i === 0) this.times.add(milliseconds);
     });
+    this.#poseTrueRig();
     this.#colour();
     this.drawn.emit();
+  }
+
+  /** Of a live rig it stays as it was until the answer is there. */
+  #poseTrueRig(): void {
+    if (!this.trueRig) return;
+    const positions = this.truePositions();
+    if (positions) this.trueRig.showPositions(positions);
+    if (positions || !this.truth?.live) this.trueRig.visible = positions !== null;
   }
 
   #colour(): void {

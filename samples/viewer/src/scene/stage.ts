@@ -39,6 +39,7 @@ export class Stage {
   contextChanged: (lost: boolean) => void = () => {};
   readonly #orbit: OrbitControls;
   #width = 1; // of what is looked at
+  #height = 1;
   #angle = 0.32; // from the front, at the start
   #asked = false;
 
@@ -102,16 +103,17 @@ export class Stage {
     this.afterDraw();
   }
 
-  /** How much is to be seen from left to right, in diagonals, and from which side home() looks at it, in radians. */
-  setScene(width: number, angle: number): void {
+  /** How much is to be seen, in diagonals, and from which side home() looks at it, in radians. */
+  setScene(width: number, height: number, angle: number): void {
     this.#width = width;
+    this.#height = height;
     this.#angle = angle;
   }
 
   /** The camera as at the start: all faces, from a little to the side. */
   home(): void {
     const half = Math.tan((this.camera.fov * Math.PI) / 360);
-    const room = Math.max(0.5, this.#width / 2 / Math.max(this.camera.aspect, 0.2));
+    const room = Math.max(0.5, 0.62 * this.#height, this.#width / 2 / Math.max(this.camera.aspect, 0.2));
     this.camera.position.setFromSpherical(new Spherical((room * 0.92) / half, Math.PI / 2 - 0.06, this.#angle));
     this.#orbit.target.set(0, 0, 0);
     this.draw();

@@ -104,7 +104,7 @@ export class ErrorCurveView {
     const { curve } = this.viewer;
     if (curve.measured === 0) return "Reading the true positions…";
     const done = curve.measuring ? ` · measuring, ${Math.floor((100 * curve.measured) / curve.largest.length)} %` : "";
-    const now = Number.isNaN(here) ? "" : `Error ${this.#length(here)}, `;
-    return `${now}at worst ${this.#length(this.#largest)}${done}`;
+    const now = Number.isNaN(here) ? "" : `${this.#length(here)}, `;
+    return `Error ${now}worst ${this.#length(this.#largest)}${done}`;
   }
 }

@@ -14,6 +14,7 @@ const HELP: readonly (readonly [string, string])[] = [
   ["← → ↑ ↓", "turn the face, where it has the focus"],
   ["+ −", "zoom"],
   ["Home", "fit the face into the picture"],
+  ["T", "the true rig beside the face, where it is known"],
   ["F", "look from the front at what the controls move"],
   ["1 … 7", "what is shown: shaded, wireframe, normals, ..."],
   ["Space", "play the clip, or pause it"],
@@ -99,6 +100,9 @@ export function startKeys(viewer: Viewer, actions: KeyActions): void {
       player.loop = !player.loop;
     },
     w: () => viewer.seekNextWorst(),
+    t: () => {
+      viewer.trueRigBeside = !viewer.trueRigBeside;
+    },
     f: () => viewer.lookAtMoving(),
     x: () => viewer.pose.randomise(),
     r: () => viewer.pose.reset(),

@@ -2,7 +2,7 @@ import { MODES } from "../app/modes";
 import type { Viewer } from "../app/viewer";
 import { byId, element } from "./dom";
 
-/** The radio group that chooses what is shown; what cannot be chosen says why. */
+/** The radio group that chooses what is shown, where what cannot be chosen says why; and whether the true rig is. */
 export function startModeBar(viewer: Viewer): void {
   const bar = byId("modes");
   const buttons = MODES.map(({ mode, label, hint }) => {
@@ -12,6 +12,10 @@ export function startModeBar(viewer: Viewer): void {
     });
     bar.append(button);
     return { mode, hint, button };
+  });
+  const trueRig = byId<HTMLButtonElement>("true-rig");
+  trueRig.addEventListener("click", () => {
+    viewer.trueRigBeside = !viewer.trueRigBeside;
   });
   const show = (): void => {
     for (const { mode, hint, button } of buttons) {
@@ -23,6 +27,8 @@ export function startModeBar(viewer: Viewer): void {
       button.tabIndex = chosen ? 0 : -1;
       button.hidden = mode === "difference" && viewer.faces.length < 2;
     }
+    trueRig.hidden = !viewer.truth?.known;
+    trueRig.setAttribute("aria-pressed", String(viewer.trueRigBeside));
   };
   bar.addEventListener("keydown", (event) => {
     const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
