@@ -1,4 +1,4 @@
-// The true rig beside the face. Run by test.sh.
+// The true rig beside the face, and the scale of errors. Run by test.sh.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { launch, openPage, picture, settings, settle, view, violations } from "./browser.mjs";
@@ -78,5 +78,32 @@ test("beside a clip with recorded positions it is there in the clip's frames, sa
   await toggle(page).waitFor({ state: "hidden" });
   assert.equal(await page.evaluate(() => globalThis.facebakerViewer.viewer.trueRigBeside), false);
   assert.deepEqual(errors, []);
+  await close();
+});
+
+test("the scale of errors ends at 1e-4 of the diagonal at least, so that micrometres are pale", async () => {
+  const { page, close } = await openPage(browser, server.address);
+  // The end of the scale, and the colour of the worst vertex, where all vertices are as far off, in diagonals.
+  const seen = (error) => page.evaluate(async (error) => {
+    const { viewer } = globalThis.facebakerViewer;
+    const { face, object } = viewer.first;
+    viewer.mode = "error";
+    viewer.truth.at = (controls) => face.evaluate(controls).map((x, i) => (i % 3 === 0 ? x + error * face.diagonal : x));
+    viewer.refresh();
+    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    const { worst, max } = viewer.errors;
+    return { end: viewer.scaleEnd / face.diagonal, max: max / face.diagonal, colour: [...object.analysis.colours.subarray(3 * worst, 3 * worst + 3)] };
+  }, error);
+  const pale = (await seen(0)).colour;
+  const micrometres = await seen(3e-6); // of a head about 1 µm
+  assert.ok(Math.abs(micrometres.end - 1e-4) < 1e-9 && Math.abs(micrometres.max - 3e-6) < 1e-6, JSON.stringify(micrometres));
+  micrometres.colour.forEach((x, c) => assert.ok(Math.abs(x - pale[c]) < 0.2, `${micrometres.colour}, pale is ${pale}`));
+  assert.match(await page.locator("#legend").textContent(), /1\.0e-4 D/);
+  const large = await seen(3e-3);
+  assert.ok(Math.abs(large.end - 5e-3) < 1e-8, JSON.stringify(large));
+  assert.ok(Math.abs(large.colour[1] - pale[1]) > 0.3, `${large.colour}`);
+  await page.getByLabel("Scale").selectOption("1.0e-5 D");
+  const chosen = await seen(3e-6);
+  assert.ok(Math.abs(chosen.end - 1e-5) < 1e-10, "an end that is chosen counts");
   await close();
 });
