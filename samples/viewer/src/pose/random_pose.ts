@@ -22,8 +22,10 @@ export function randomPose(pose: Pose): Float32Array {
     if (maximum > minimum) groups.set(group, [...(groups.get(group) ?? []), index]);
   });
   const values = pose.rest.slice();
-  for (const group of shuffled([...groups.values()]).slice(0, 1 + below(MOST_GROUPS)))
-    for (const index of shuffled(group).slice(0, 1 + below(MOST_IN_GROUP))) {
+  const chosen = shuffled([...groups.values()]).slice(0, 1 + below(MOST_GROUPS));
+  const least = chosen.length === 1 ? 2 : 1; // one control alone is no expression
+  for (const group of chosen)
+    for (const index of shuffled(group).slice(0, least + below(MOST_IN_GROUP))) {
       const { minimum, maximum, neutral } = pose.controls[index];
       const up = Math.random() < (maximum - neutral) / (maximum - minimum);
       values[index] = neutral + (0.25 + 0.75 * Math.random()) * ((up ? maximum : minimum) - neutral);
