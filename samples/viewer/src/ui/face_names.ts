@@ -16,7 +16,7 @@ export function startFaceNames(viewer: Viewer): void {
     if (shown === names.join("\n")) return;
     shown = names.join("\n");
     list.hidden = names.length === 0;
-    list.replaceChildren(...names.map((name) => element("span", {}, name)));
+    list.replaceChildren(...names.map((name) => element("span", {}, element("b", {}, name))));
   };
   viewer.opened.subscribe(() => {
     const { faces } = viewer;
