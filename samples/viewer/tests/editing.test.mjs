@@ -61,6 +61,10 @@ test("Ctrl+Z in a text is the text's own; played frames are no steps", async () 
   const { page, close } = await openPage(browser, server.address);
   await page.keyboard.press("x");
   const random = await values(page);
+  await page.getByRole("button", { name: "Keys and mouse" }).click();
+  await page.keyboard.press("r");
+  assert.deepEqual(await values(page), random, "a dialog has the keys");
+  await page.getByRole("button", { name: "Close", exact: true }).click();
   await page.getByLabel("Search controls").fill("jaw");
   await page.keyboard.press("Control+z");
   assert.deepEqual(await values(page), random);

@@ -13,21 +13,22 @@ const HELP: readonly (readonly [string, string])[] = [
   ["Drag", "turn the face; with two fingers or the right button move it, pinch or wheel to zoom"],
   ["← → ↑ ↓", "turn the face, where it has the focus"],
   ["+ −", "zoom"],
-  ["Home", "fit the face into the picture"],
-  ["T", "the true rig beside the face, where it is known"],
   ["F", "look from the front at what the controls move"],
+  ["Home", "fit the face into the picture"],
   ["1 … 7", "what is shown: shaded, wireframe, normals, ..."],
+  ["T", "the true rig beside the face, where it is known"],
   ["Space", "play the clip, or pause it"],
   [", .", "the frame before, the next one"],
   ["L", "begin the clip again at its end, or not"],
   ["W", "the worst frame of the clip, then the next worst"],
-  ["/", "search controls"],
   ["Ctrl+Z", "undo what was done to the pose; with Shift redo it"],
-  ["X", "a random pose"],
-  ["Ctrl+C, Ctrl+V", "copy the pose's values as text; pose the face by such a text"],
-  ["E", "keep the pose as an expression"],
+  ["Ctrl+C", "copy the values of the pose as text"],
+  ["Ctrl+V", "pose the face by such a text"],
   ["R", "all controls to rest"],
+  ["X", "a random pose"],
   ["M", "left and right together, or not"],
+  ["E", "keep the pose as an expression"],
+  ["/", "search controls"],
   ["O", "open files"],
   ["C", "copy a link to the pose"],
 ];
@@ -112,6 +113,7 @@ export function startKeys(viewer: Viewer, actions: KeyActions): void {
     m: () => document.querySelector<HTMLButtonElement>("#pose button[aria-pressed]")?.click(),
   };
   document.addEventListener("keydown", (event) => {
+    if (document.querySelector("dialog[open]")) return;
     if (undoes(event, viewer)) return void event.preventDefault();
     if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
     if (event.key === " " && pressable(event.target)) return;
