@@ -150,6 +150,17 @@ test("the curve has each frame's largest error, a click goes to the frame, and t
     assert.deepEqual(await violations(page), []);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing sticks out");
   }
+  await page.setViewportSize({ width: 320, height: 700 });
+  await settle(page);
+  const outside = await page.evaluate(() => {
+    const bar = document.getElementById("player").getBoundingClientRect();
+    const frame = document.querySelector("#player output");
+    if (frame.scrollWidth > frame.clientWidth) return ["the frame's number is cut"];
+    return [...document.querySelectorAll("#player *")].map((part) => [part.className || part.tagName, part.getBoundingClientRect()])
+      .filter(([, box]) => box.width > 0 && (box.left < bar.left || box.right > bar.right)).map(([name]) => String(name));
+  });
+  assert.deepEqual(outside, [], "the player's parts are in its bar");
+  await picture(page, "curve_320");
   assert.deepEqual(errors, []);
   await close();
 });
