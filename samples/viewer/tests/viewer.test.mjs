@@ -268,6 +268,7 @@ test("without the token in its address it shows the face, and says what runs no 
   await page.getByRole("tab", { name: "Clips" }).click();
   await page.locator("#clips .clips button").first().click();
   await page.getByText(/takes the token in the address/).first().waitFor();
+  await page.getByText("The true positions could not be read.").waitFor();
   await close();
 });
 

@@ -15,6 +15,7 @@ export class ErrorCurve {
   largest = new Float32Array(0);
   #measured = 0;
   #measuring = false;
+  #gaveUp = false;
   #run = 0; // which clip is measured
   #fps = 30;
   #peaks: number[] | null = null; // null: to be found
@@ -24,6 +25,7 @@ export class ErrorCurve {
     ++this.#run;
     this.#measuring = false;
     this.#measured = 0;
+    this.#gaveUp = false;
     this.#peaks = null;
     this.#fps = clip?.fps ?? 30;
     this.largest = new Float32Array(clip?.frames ?? 0).fill(NaN);
@@ -52,6 +54,12 @@ export class ErrorCurve {
     }
   }
 
+  /** True positions could not be read. */
+  giveUp(): void {
+    this.#gaveUp = true;
+    this.changed.emit();
+  }
+
   /** A frame was measured because it is shown. */
   note(frame: number, error: number): void {
     if (frame >= this.largest.length || this.largest[frame] === error) return;
@@ -65,6 +73,9 @@ export class ErrorCurve {
   }
   get measuring(): boolean {
     return this.#measuring;
+  }
+  get gaveUp(): boolean {
+    return this.#gaveUp;
   }
 
   /** Frames with the largest errors, the worst first, some apart from each other. */

@@ -7,8 +7,8 @@ import { Pose } from "../pose/pose";
 import { colourParts, colourValues, roundScale } from "../scene/colour_scale";
 import { FaceObject, type Look } from "../scene/face_object";
 import type { Stage } from "../scene/stage";
-import type { Mode } from "./modes";
 import { ErrorCurve } from "./error_curve";
+import type { Mode } from "./modes";
 import { closeFace, followedControls, type ShownFace } from "./open_faces";
 import { PoseTimes } from "./pose_times";
 import { Signal } from "./signal";
@@ -213,7 +213,10 @@ export class Viewer {
       },
       clipRead: (clip, points) =>
         void this.curve.measure(shown.face, clip, points).catch((error: unknown) => this.failed(String(error))),
-      failed: this.failed,
+      failed: (reason) => {
+        this.curve.giveUp();
+        this.failed(reason);
+      },
     });
     this.#distances = new Float32Array(shown.face.vertexCount);
     this.times.clear();

@@ -102,7 +102,7 @@ export class ErrorCurveView {
 
   #wordsOf(here: number): string {
     const { curve } = this.viewer;
-    if (curve.measured === 0) return "Reading the true positions…";
+    if (curve.measured === 0) return curve.gaveUp ? "The true positions could not be read." : "Reading the true positions…";
     const done = curve.measuring ? ` · measuring, ${Math.floor((100 * curve.measured) / curve.largest.length)} %` : "";
     const now = Number.isNaN(here) ? "" : `${this.#length(here)}, `;
     return `Error ${now}worst ${this.#length(this.#largest)}${done}`;
