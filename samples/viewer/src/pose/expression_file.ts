@@ -12,7 +12,9 @@ const NAME_COLUMN = "expression";
  * column of names, then one for each control that is not at rest in all of them, with the very floats.
  */
 export function writeExpressions(expressions: readonly Expression[], controls: readonly Control[]): string {
-  const columns = controls.filter(({ index, neutral }) => expressions.some(({ values }) => values[index] !== Math.fround(neutral)));
+  const moved = ({ index, neutral }: Control): boolean =>
+    expressions.some(({ values }) => values[index] !== Math.fround(neutral));
+  const columns = controls.filter(moved);
   const broken = columns.find(({ name }) => /[",;\t\n]/.test(name));
   if (broken) throw new Error(`control "${broken.name}": a .csv cannot have a column of this name`);
   const rows = expressions.map(({ name, values }) => [name, ...columns.map(({ index }) => shortest(values[index]))]);
@@ -59,6 +61,7 @@ export function readExpressions(text: string, file: string, controls: readonly C
     return { name: cells[0], values };
   });
   if (expressions.length === 0) throw new ClipError(`${file}: there are no expressions below its first line`);
-  if (outside > 0) notes.push(`${file}: ${outside} ${outside === 1 ? "value is" : "values are"} outside the range of the control, and clamped.`);
+  const many = outside === 1 ? "value is" : "values are";
+  if (outside > 0) notes.push(`${file}: ${outside} ${many} outside the range of the control, and clamped.`);
   return { expressions, notes };
 }

@@ -14,10 +14,10 @@ export function setOptions(pose: Pose, values: Float32Array): string {
 
 /** Words as a POSIX shell splits them: quotes and backslashes are taken away. */
 function shellWords(text: string): string[] {
-  const words: string[] = [];
-  for (const [found] of text.replace(/\\\r?\n/g, " ").matchAll(/(?:'[^']*'|"(?:\\.|[^"\\])*"|\\.|[^\s'"\\])+/gs))
-    words.push(found.replace(/'([^']*)'|"((?:\\.|[^"\\])*)"|\\(.)/gs, (_, single, double, one) => single ?? double?.replace(/\\(["\\$`])/g, "$1") ?? one));
-  return words;
+  const plain = (_: string, single?: string, double?: string, one?: string): string =>
+    single ?? double?.replace(/\\(["\\$`])/g, "$1") ?? one ?? "";
+  const words = text.replace(/\\\r?\n/g, " ").matchAll(/(?:'[^']*'|"(?:\\.|[^"\\])*"|\\.|[^\s'"\\])+/gs);
+  return Array.from(words, ([word]) => word.replace(/'([^']*)'|"((?:\\.|[^"\\])*)"|\\(.)/gs, plain));
 }
 
 /** A name, its value as text, and where it stands in the text. */

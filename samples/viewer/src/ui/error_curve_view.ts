@@ -36,7 +36,7 @@ export class ErrorCurveView {
   readonly #head = element("div", { class: "playhead" });
   readonly #words = element("p", {});
   readonly #box = element("div", { class: "curve", role: "img" }, this.#head, this.#words);
-  readonly #next = element("button", { type: "button", title: "Go to the worst frame, then to the next worst (W)" }, "Next worst");
+  readonly #next = element("button", { type: "button", title: "The worst frame, then the next worst (W)" }, "Next worst");
   #largest = 0;
   #asked = false;
 

@@ -7,7 +7,8 @@ import { telling } from "./messages";
 import { askForValues, copyValues } from "./pose_clipboard";
 
 const HINT =
-  "The file is a table (.csv), a row for each expression. facebaker bake --exact FILE.csv makes these poses exact, and --poses-like FILE.csv trains near them. Values that are copied are options of facebaker pose.";
+  "The file is a table (.csv), a row for each expression. facebaker bake --exact FILE.csv makes these poses exact, and " +
+  "--poses-like FILE.csv trains near them. Values that are copied are options of facebaker pose.";
 
 function makeButton(label: string, action: () => void, attributes: Record<string, string> = {}): HTMLButtonElement {
   const button = element("button", { type: "button", ...attributes }, label);
@@ -29,8 +30,15 @@ function makeRow(viewer: Viewer, expression: Expression): HTMLElement {
     "li",
     {},
     show,
-    makeButton("Copy", () => void copyValues(viewer, values), { "aria-label": `Copy the values of ${name}`, title: "Copy its values" }),
-    makeButton("×", () => viewer.expressions.remove(expression), { "aria-label": `Remove ${name}`, title: "Remove", class: "plain" }),
+    makeButton("Copy", () => void copyValues(viewer, values), {
+      "aria-label": `Copy the values of ${name}`,
+      title: "Copy its values",
+    }),
+    makeButton("×", () => viewer.expressions.remove(expression), {
+      "aria-label": `Remove ${name}`,
+      title: "Remove",
+      class: "plain",
+    }),
   );
 }
 
@@ -39,7 +47,8 @@ function makeRow(viewer: Viewer, expression: Expression): HTMLElement {
 export function startExpressionsPanel(viewer: Viewer, open: () => void): () => void {
   const { expressions } = viewer;
   const panel = byId("expressions");
-  const name = element("input", { type: "text", id: "expression-name", placeholder: "Name of this pose", "aria-label": "Name of this pose", maxlength: 80, autocomplete: "off" });
+  const asked = "Name of this pose";
+  const name = element("input", { type: "text", placeholder: asked, "aria-label": asked, maxlength: 80, autocomplete: "off" });
   const keep = element("button", { type: "submit", class: "primary" }, "Keep");
   const form = element("form", { class: "keep" }, name, keep);
   const list = element("ul", { class: "expressions", "aria-label": "Expressions" });

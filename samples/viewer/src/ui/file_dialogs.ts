@@ -5,7 +5,8 @@ import { byId, element } from "./dom";
 import { tell } from "./messages";
 import type { StartCard } from "./start_card";
 
-const archivesOf = (files: ReadonlyMap<string, File>): string[] => [...files.keys()].filter((path) => path.toLowerCase().endsWith(".fbk"));
+const archivesOf = (files: ReadonlyMap<string, File>): string[] =>
+  [...files.keys()].filter((path) => path.toLowerCase().endsWith(".fbk"));
 
 /** Whether an archive shall stand beside the face that is there: asked where there is one. */
 async function askBeside(files: ReadonlyMap<string, File>, viewer: Viewer): Promise<boolean | null> {

@@ -35,7 +35,8 @@ const HELP: readonly (readonly [string, string])[] = [
 
 /** Whether a key means text there. */
 export function typing(target: EventTarget | null): boolean {
-  return (target instanceof HTMLInputElement && target.type !== "range") || target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
+  if (target instanceof HTMLInputElement) return target.type !== "range";
+  return target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
 }
 
 /** Whether Space presses what has the focus: not a button that has it because it was clicked. */

@@ -10,7 +10,8 @@ function applyText(viewer: Viewer, text: string): void {
   const { values, count, unknown } = readPoseText(text, pose, (name) => first.face.findControl(name));
   pose.assign(values);
   tell(`${count} ${count === 1 ? "control is" : "controls are"} as in the text, all others at rest.`);
-  if (unknown.length > 0) tell(`${unknown.length} left out: ${unknown.slice(0, 3).join("; ")}${unknown.length > 3 ? "; …" : ""}.`, "error");
+  const more = unknown.length > 3 ? "; …" : "";
+  if (unknown.length > 0) tell(`${unknown.length} left out: ${unknown.slice(0, 3).join("; ")}${more}.`, "error");
 }
 
 function textOf(viewer: Viewer, values: Float32Array): string {
@@ -61,7 +62,10 @@ export function askForValues(viewer: Viewer): void {
 /** Ctrl+C copies the pose's values where no text is selected, and Ctrl+V poses the face by a text. */
 export function startPoseClipboard(viewer: Viewer, typing: (target: EventTarget | null) => boolean): void {
   const own = (event: ClipboardEvent): boolean =>
-    viewer.first !== null && event.clipboardData !== null && !typing(event.target) && document.querySelector("dialog[open]") === null;
+    viewer.first !== null &&
+    event.clipboardData !== null &&
+    !typing(event.target) &&
+    document.querySelector("dialog[open]") === null;
   document.addEventListener("copy", (event) => {
     if (!own(event) || getSelection()?.isCollapsed === false) return;
     event.preventDefault();

@@ -59,7 +59,9 @@ export class StartCard {
   welcome(): void {
     this.#putCard({
       heading: "Drop a face here",
-      words: [element("span", {}, "An archive that ", element("code", {}, "facebaker bake"), " wrote (.fbk). It stays on this machine.")],
+      words: [
+        element("span", {}, "An archive that ", element("code", {}, "facebaker bake"), " wrote (.fbk). It stays on this machine."),
+      ],
       button: { label: "Open a file…", action: this.open },
     });
   }

@@ -1,12 +1,19 @@
 import type { Viewer } from "../app/viewer";
 import { element } from "./dom";
 
-const ARROW = '<svg viewBox="0 0 20 20" aria-hidden="true"><path d="M8 4 4 8l4 4M4.5 8H12a4 4 0 0 1 0 8H8" fill="none" stroke="currentColor" stroke-width="1.8" stroke-linecap="round" stroke-linejoin="round" /></svg>';
+const ARROW =
+  '<svg viewBox="0 0 20 20" aria-hidden="true"><path d="M8 4 4 8l4 4M4.5 8H12a4 4 0 0 1 0 8H8" fill="none" ' +
+  'stroke="currentColor" stroke-width="1.8" stroke-linecap="round" stroke-linejoin="round" /></svg>';
 
 /** Undo and redo of what was done to the pose. */
 export class UndoButtons {
   readonly undo = element("button", { type: "button", class: "icon", "aria-label": "Undo", title: "Undo (Ctrl+Z)" });
-  readonly redo = element("button", { type: "button", class: "icon mirrored", "aria-label": "Redo", title: "Redo (Ctrl+Shift+Z)" });
+  readonly redo = element("button", {
+    type: "button",
+    class: "icon mirrored",
+    "aria-label": "Redo",
+    title: "Redo (Ctrl+Shift+Z)",
+  });
 
   constructor(readonly viewer: Viewer) {
     for (const button of [this.undo, this.redo]) button.innerHTML = ARROW;
