@@ -25,4 +25,15 @@ std::string length_text(double length, const std::string& unit) {
   return format(value < 999.5 ? "%.3g" : "%.0f", value) + (unit.empty() ? "" : " " + shown.name);
 }
 
+std::string unusual_size_text(double diagonal, const std::string& unit) {
+  constexpr double least = 0.01, most = 30;
+  const std::optional<double> metres = metres_per(unit);
+  if (!metres || (diagonal * *metres >= least && diagonal * *metres < most)) return {};
+  return format(
+      "the mesh is %.3g m large, by its unit (%s): if it is not meant to be, its errors in millimetres are not what "
+      "they "
+      "say (a dataset, a plugin and a scene of Blender name their unit; glTF counts in metres)",
+      diagonal * *metres, unit.c_str());
+}
+
 }  // namespace fb

@@ -18,4 +18,8 @@ ShownUnit shown_unit(const std::string& unit);
 // A length of so many units for people: in millimetres, or with the unit's own name where it is another than these.
 std::string length_text(double length, const std::string& unit);
 
+// A sentence on a mesh whose diagonal is no character's, 30 m or more or below 1 cm, as its unit may not be what was
+// meant; "" on others and where the unit is not known.
+std::string unusual_size_text(double diagonal, const std::string& unit);
+
 }  // namespace fb

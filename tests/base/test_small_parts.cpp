@@ -39,6 +39,11 @@ TEST_CASE("lengths are told in millimetres, or in a unit that nobody knows") {
   CHECK(length_text(0.0125, "m") == "12.5 mm");
   CHECK(length_text(3, "mm") == "3 mm");
   CHECK(length_text(0.25, "head") == "0.25 head");
+  CHECK(unusual_size_text(38.7, "cm").empty());
+  CHECK(unusual_size_text(2.1, "m").empty());
+  CHECK(unusual_size_text(155, "").empty());
+  CHECK(unusual_size_text(155, "m").find("155 m large") != std::string::npos);
+  CHECK(unusual_size_text(0.2, "cm").find("0.002 m large") != std::string::npos);
   CHECK(length_text(0.25, "") == "0.25");
 }
 

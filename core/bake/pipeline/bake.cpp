@@ -35,6 +35,7 @@
 #include "bake/sampling/named_frames.h"
 #include "base/file.h"
 #include "base/keep_asking.h"
+#include "base/length_units.h"
 #include "base/output_lock.h"
 #include "base/random_streams.h"
 #include "base/shown_path.h"
@@ -423,6 +424,8 @@ Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
     JointlessSource jointless(source);
     return bake_face(jointless, given, progress);
   }
+  if (const std::string unusual = unusual_size_text(source.rest().diagonal(), source.schema().units); !unusual.empty())
+    progress.note(unusual);
   const BakeOptions options = with_character(given, source, progress);
   Baked baked;
   if (const int exponent = scale_exponent(source.rest())) {
