@@ -50,6 +50,13 @@ def face_part(name: str) -> str:
     return ""
 
 
+def part_of_kin(name: str) -> str:
+    """The part of the face that the name of what something belongs to tells of it: a bone's parent or collection, a shape
+    key's mesh. "" if none, and for the head, to which all of a face belongs."""
+    part = face_part(name)
+    return "" if part == "neck" else part
+
+
 def _tells(word: str, hint: str) -> bool:
     if hint in _SHORT:
         return word in (hint, hint + "s") or (hint in ("eye", "lip") and word.startswith(hint))

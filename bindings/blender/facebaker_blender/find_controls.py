@@ -9,9 +9,10 @@ import numpy as np
 
 from .action_shots import animated_paths, used_ranges
 from .bone_choice import FindOptions, check_options, chosen_bones
+from .bone_groups import bone_groups
 from .bone_limits import bone_path, driven_paths, escaped, is_locked, limits_of, property_range, rotation_attribute
 from .channels import Channel, SceneControl, named_apart
-from .control_names import face_part, mirror_channel_name
+from .control_names import face_part, mirror_channel_name, part_of_kin
 from .ranges import assumed_range, control_range
 from .scene_evaluator import SceneEvaluator
 from .time_dependence import frame_drivers
@@ -34,16 +35,18 @@ def find_controls(
     for armature in armatures:
         animated = animated_paths(armature)
         bones, driven = chosen_bones(armature, options), driven_paths(armature)
-        found += [c for bone in bones for c in _bone_channels(armature, bone, options, driven, animated)]
+        groups = bone_groups(armature, bones)
+        found += [c for b in bones for c in _bone_channels(armature, b, groups[b.name], options, driven, animated)]
         if options.properties:
-            found += [c for bone in bones for c in _properties(armature, bone, bone.name, False, notes)]
-            found += _properties(armature, armature, "", False, notes)
-            found += _properties(armature, armature.data, "", True, notes)
+            found += [c for b in bones for c in _properties(armature, b, b.name, False, groups[b.name], notes)]
+            found += _properties(armature, armature, "", False, "", notes)
+            found += _properties(armature, armature.data, "", True, "", notes)
     for mesh in meshes:
         if options.shape_keys:
             found += _shape_keys(mesh, notes)
         if options.properties:
-            found += _properties(mesh, mesh, "", False, notes) + _properties(mesh, mesh.data, "", True, notes)
+            part = part_of_kin(mesh.name)
+            found += _properties(mesh, mesh, "", False, part, notes) + _properties(mesh, mesh.data, "", True, part, notes)
     keys = [mesh.data.shape_keys for mesh in meshes if mesh.data.shape_keys]
     notes += frame_drivers([*armatures, *meshes, *keys])
     return named_apart(_ranged(found, armatures, _diagonal(meshes), options.moved)), notes
@@ -55,25 +58,8 @@ def _diagonal(meshes: Sequence[Any]) -> float:
     return float(np.linalg.norm(np.ptp(np.array(corners)[:, :3], 0))) if corners else 0.0
 
 
-def _group(armature: Any, bone: Any) -> str:
-    """The part of the face that its name tells, or its bone collection, bone group, or the bone all its kind hang on."""
-    part = face_part(bone.name)
-    if part:
-        return part
-    collections = getattr(bone.bone, "collections", None)
-    if collections:
-        return str(collections[0].name)
-    group = getattr(bone, "bone_group", None)
-    if group:
-        return str(group.name)
-    above = bone
-    while above.parent:
-        above = above.parent
-    return str(above.name)
-
-
 def _bone_channels(
-    armature: Any, bone: Any, options: FindOptions, driven: Paths, animated: Paths
+    armature: Any, bone: Any, group: str, options: FindOptions, driven: Paths, animated: Paths
 ) -> List[SceneControl]:
     controls = []
     for kind in ("location", "rotation", "scale"):
@@ -87,7 +73,7 @@ def _bone_channels(
             if not wanted or is_locked(bone, kind, axis) or is_driven:
                 continue
             channel = Channel(kind, armature.name, bone.name, axis)
-            controls.append(_unranged(channel, _group(armature, bone)))
+            controls.append(_unranged(channel, group))
     return controls
 
 
@@ -140,13 +126,16 @@ def _shape_keys(mesh: Any, notes: List[str]) -> List[SceneControl]:
             notes.append(f'"{mesh.name}": shape key "{block.name}" has the range {low:g} to {high:g}; it is left out')
             continue
         channel = Channel("shape_key", mesh.name, key=block.name)
-        group = face_part(block.name)
+        group = face_part(block.name) or part_of_kin(mesh.name)
         rest = min(max(0.0, low), high)
         controls.append(SceneControl(block.name, channel, low, high, rest, group, mirror_channel_name(channel)))
     return controls
 
 
-def _properties(owner_object: Any, owner: Any, bone: str, on_data: bool, notes: List[str]) -> List[SceneControl]:
+def _properties(
+    owner_object: Any, owner: Any, bone: str, on_data: bool, group: str, notes: List[str]
+) -> List[SceneControl]:
+    """group: of those whose names tell no part of the face."""
     driven = {path for path, _ in driven_paths(owner.id_data)}
     controls = []
     for key in owner.keys():
@@ -162,8 +151,8 @@ def _properties(owner_object: Any, owner: Any, bone: str, on_data: bool, notes: 
             notes.append(f'{place}: property "{key}" has no range; give it one to have it as a control')
             continue
         channel = Channel("property", owner_object.name, bone, key=key, on_data=on_data, whole=whole)
-        group = face_part(bone) or face_part(key)
-        controls.append(SceneControl(channel.short_name, channel, *span, group, mirror_channel_name(channel)))
+        part = face_part(bone) or face_part(key) or group
+        controls.append(SceneControl(channel.short_name, channel, *span, part, mirror_channel_name(channel)))
     return controls
 
 

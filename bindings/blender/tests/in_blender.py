@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import addon_support  # noqa: E402, F401  (makes the package importable)
 
 MODULES = (
-    "addon_tests", "action_tests", "time_tests", "choice_tests", "joint_tests", "preview_tests", "bake_tests",
+    "addon_tests", "action_tests", "time_tests", "choice_tests", "group_tests", "joint_tests", "preview_tests", "bake_tests",
     "rebake_tests", "extension_tests", "import_tests",
 )  # fmt: skip
 
