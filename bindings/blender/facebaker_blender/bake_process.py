@@ -12,6 +12,7 @@ from typing import Any, Dict, List, Optional, Sequence
 
 from .progress_lines import BakeProgress
 
+LAST_LINES = 8  # of a log that are shown where a bake ended without saying why
 
 class BakeProcess:
     """A bake whose log, result and process number lie in a folder, so that another session of Blender finds it again.
@@ -81,6 +82,17 @@ class BakeProcess:
             return None
         return document if isinstance(document, dict) else None
 
+    @property
+    def failure(self) -> str:
+        """Why the last bake ended without a result, all that the tool said of it; "" if none did."""
+        if not self.unfinished:
+            return ""
+        self.poll()
+        if self.progress.error:
+            return self.progress.error
+        last = "\n".join(_text(self.log).splitlines()[-LAST_LINES:]).strip()
+        return f"the bake ended without a result; {self.log} " + (f"ends with:\n{last}" if last else "is empty")
+
     def stop(self) -> None:
         """Interrupts the bake, which keeps what is done. It ends within seconds; poll() tells when."""
         number = self._number()
@@ -105,6 +117,13 @@ class BakeProcess:
             return json.loads(self._state.read_text()).get(key)
         except (OSError, ValueError, AttributeError):
             return None
+
+
+def _text(path: pathlib.Path) -> str:
+    try:
+        return path.read_bytes().decode("utf-8", "replace")
+    except OSError:
+        return ""
 
 
 def _began(process: int) -> str:

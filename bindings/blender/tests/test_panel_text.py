@@ -1,0 +1,85 @@
+"""What the panel says, without Blender: lines that fit, progress, and why a bake ended."""
+
+import pathlib
+import sys
+import tempfile
+import unittest
+
+from facebaker_blender.bake_process import BakeProcess
+from facebaker_blender.progress_lines import BakeProgress, spoken_time
+from facebaker_blender.text_wrap import wrapped
+
+
+class WrapTest(unittest.TestCase):
+    def test_nothing_is_left_out(self):
+        text = "Worst vertex of 240 frames: off by 0.31 mm.\nIts archive is /home/ann/characters/ann/baked/face.fbk"
+        for width in 1, 7, 12, 20, 200:
+            lines = wrapped(text, width, len)
+            self.assertLessEqual(max(map(len, lines)), width)
+            self.assertEqual("".join(lines).replace(" ", ""), "".join(text.split()))
+        self.assertEqual(lines, text.split("\n"))
+        self.assertEqual(wrapped("", 10, len), [])
+
+    def test_where_it_is_broken(self):
+        self.assertEqual(wrapped("off by 0.31 mm", 9, len), ["off by", "0.31 mm"])
+        self.assertEqual(wrapped("in /work/folder/face.fbk", 14, len), ["in", "/work/folder/", "face.fbk"])
+        self.assertEqual(wrapped("abcdefgh", 3, len), ["abc", "def", "gh"])
+
+
+class ProgressLinesTest(unittest.TestCase):
+    def test_what_the_panel_tells(self):
+        progress = BakeProgress()
+        self.assertEqual(progress.lines, ["Starting"])
+        progress.read("analysing the rig: 12 %")
+        self.assertEqual(progress.lines, ["Analysing the rig: 12 %"])
+        progress.read("training: 60 %, about 2:07 left")
+        self.assertEqual(progress.lines, ["Training: 60 %", "About 2 minutes left"])
+
+    def test_times_in_words(self):
+        for text, spoken in {
+            "9 s": "9 seconds", "about 1 s": "About 1 second", "1:05": "1 minute", "about 59:40": "About 1 hour",
+            "1:30:10": "1 hour 30 minutes", "about 2:00:00": "About 2 hours",
+        }.items():  # fmt: skip
+            self.assertEqual(spoken_time(text), spoken)
+
+    def test_an_error_of_several_lines(self):
+        progress = BakeProgress()
+        for line in "facebaker bake: the rig failed:", "  no bone \"jaw\"", "", "Blender quit":
+            progress.read(line)
+        self.assertEqual(progress.error, 'the rig failed:\n  no bone "jaw"')
+
+
+class FailureTest(unittest.TestCase):
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self._folder.name)
+
+    def tearDown(self):
+        self._folder.cleanup()
+
+    def failure(self, code):
+        """Why a bake failed that runs this Python; as another session finds it."""
+        process = BakeProcess(self.folder)
+        process.start([sys.executable, "-c", code])
+        self.assertTrue(process.wait(20))
+        return BakeProcess(self.folder).failure
+
+    def test_all_of_a_message(self):
+        self.assertEqual(BakeProcess(self.folder).failure, "")
+        long = "x" * 3000
+        write = f"import sys; sys.stderr.write('facebaker bake: {long}\\nsecond line\\n'); sys.exit(1)"
+        self.assertEqual(self.failure(write), f"{long}\nsecond line")
+
+    def test_a_bake_that_died_without_a_word(self):
+        self.assertIn("bake.log is empty", self.failure("import os; os.abort()"))
+        loader = "error while loading shared libraries: libgomp.so.1"
+        said = self.failure(f"import sys; sys.exit('{loader}')")
+        self.assertIn("without a result", said)
+        self.assertTrue(said.endswith(loader), said)
+
+    def test_a_result_is_no_failure(self):
+        self.assertEqual(self.failure("print('{}')"), "")
+
+
+if __name__ == "__main__":
+    unittest.main()
