@@ -11,13 +11,12 @@ import numpy as np
 from .action_shots import shot_values
 from .channels import SettingsError
 from .scene_evaluator import SceneEvaluator
+from .shown_lengths import length_text
 
 if TYPE_CHECKING:
     import facebaker
 
 Array = Any  # of NumPy
-
-_MILLIMETRES = {"m": 1000.0, "dm": 100.0, "cm": 10.0, "mm": 1.0, "in": 25.4, "inch": 25.4, "ft": 304.8}  # of a unit
 
 
 @dataclass
@@ -60,10 +59,8 @@ class FaceMeasure:
         return {**asdict(self), "times_faster": self.times_faster, "times_cheaper": self.times_cheaper}
 
     def _worst(self, errors: PoseErrors) -> str:
-        """How far the worst vertex is off, in millimetres where the units are known."""
-        millimetres = _MILLIMETRES.get(self.units)
-        length = errors.max * self.diagonal * (millimetres or 1)
-        return f"worst vertex off by {length:.2g} {'mm' if millimetres else self.units or 'units'}"
+        """How far the worst vertex is off."""
+        return f"worst vertex off by {length_text(errors.max * self.diagonal, self.units)}"
 
     def lines(self) -> List[str]:
         """For people."""

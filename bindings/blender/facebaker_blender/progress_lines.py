@@ -62,15 +62,15 @@ class BakeProgress:
 
 
 def spoken_time(text: str) -> str:
-    """"about 2:07" -> "About 2 minutes", "1:30:10" -> "1 hour 30 minutes", "9 s" -> "9 seconds"."""
-    about, numbers = text.startswith("about "), [int(number) for number in re.findall(r"\d+", text)]
+    """"about 2:07" -> "About 2 minutes", "1:30:10" -> "1 hour 30 minutes", "less than 2:07" -> "Less than 3 minutes"."""
+    start, numbers = re.split(r"\d", text)[0], [int(number) for number in re.findall(r"\d+", text)]
     seconds = sum(number * 60**place for place, number in enumerate(reversed(numbers)))
     if seconds < 60:
-        spoken = _counted(seconds, "second")
-    else:
-        hours, minutes = divmod((seconds + 30) // 60, 60)
-        spoken = " ".join([*([_counted(hours, "hour")] if hours else []), *([_counted(minutes, "minute")] if minutes else [])])
-    return f"About {spoken}" if about else spoken
+        return (start + _counted(seconds, "second")).capitalize()
+    rounding = 59 if start.startswith("less") else 30
+    hours, minutes = divmod((seconds + rounding) // 60, 60)
+    parts = [_counted(count, what) for count, what in ((hours, "hour"), (minutes, "minute")) if count]
+    return (start + " ".join(parts)).capitalize()
 
 
 def _counted(count: int, what: str) -> str:

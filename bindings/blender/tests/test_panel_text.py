@@ -6,7 +6,9 @@ import tempfile
 import unittest
 
 from facebaker_blender.bake_process import BakeProcess
+from facebaker_blender.bake_result import result_lines
 from facebaker_blender.progress_lines import BakeProgress, spoken_time
+from facebaker_blender.shown_lengths import length_text
 from facebaker_blender.text_wrap import wrapped
 
 
@@ -39,6 +41,7 @@ class ProgressLinesTest(unittest.TestCase):
         for text, spoken in {
             "9 s": "9 seconds", "about 1 s": "About 1 second", "1:05": "1 minute", "about 59:40": "About 1 hour",
             "1:30:10": "1 hour 30 minutes", "about 2:00:00": "About 2 hours",
+            "less than 2:07": "Less than 3 minutes", "less than 1:00": "Less than 1 minute",
         }.items():  # fmt: skip
             self.assertEqual(spoken_time(text), spoken)
 
@@ -47,6 +50,27 @@ class ProgressLinesTest(unittest.TestCase):
         for line in "facebaker bake: the rig failed:", "  no bone \"jaw\"", "", "Blender quit":
             progress.read(line)
         self.assertEqual(progress.error, 'the rig failed:\n  no bone "jaw"')
+
+
+class LengthTest(unittest.TestCase):
+    def test_millimetres(self):
+        for length, units, text in (
+            (0.00031, "m", "0.31 mm"), (0.153, "m", "153 mm"), (2, "cm", "20 mm"), (1e-8, "m", "less than 0.001 mm"),
+            (0, "m", "0 mm"), (0.5, "", "0.5 units"), (0.25, "au", "0.25 au"),
+        ):  # fmt: skip
+            self.assertEqual(length_text(length, units), text)
+
+
+class ResultTest(unittest.TestCase):
+    def test_the_verdict_is_first(self):
+        document = {"verdict": "Worst vertex of 3 frames: off by 0.2 mm.", "bytes": 4970, "poses": 12000, "rig_calls": 13001}
+        self.assertEqual(
+            result_lines(document),
+            [document["verdict"], "5 kB, trained on 12,000 poses", "The rig was evaluated 13,001 times"],
+        )
+        more = result_lines({"bytes": 2_340_000, "reused": 33, "warnings": ["one control jumps"], "verdict": ""})
+        self.assertEqual(more[0], "2.34 MB, trained on 0 poses")
+        self.assertEqual(more[2:], ["33 answers of the rig were taken over", "Warning: one control jumps"])
 
 
 class FailureTest(unittest.TestCase):
