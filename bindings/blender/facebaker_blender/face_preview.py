@@ -13,9 +13,10 @@ from .bake_settings import BakeSettings, settings_document, settings_of
 from .baked_state import add_baked_meshes, baked_meshes, keep_modifiers, remove_baked_meshes
 from .channels import SettingsError
 from .error_colours import error_colours
-from .preview_object import ATTRIBUTE, make_object
+from .preview_object import ATTRIBUTE, make_object, show_error_material
 from .scene_channels import SceneChannels, find_object
 from .scene_evaluator import SceneEvaluator, evaluated_positions, scene_units, world_matrix
+from .shown_lengths import length_text
 
 if TYPE_CHECKING:
     import facebaker
@@ -59,6 +60,11 @@ class FacePreview:
         mesh.update()
         return True
 
+    @property
+    def max_length(self) -> str:
+        """The largest distance, for people."""
+        return length_text(self.max_error * float(self.face.diagonal), str(self.face.units))
+
     def _colour(self, preview: Any, graph: Any, scale: float) -> None:
         """Distances from where the rig has the vertices now, in the state in which it was baked."""
         objects = baked_meshes(preview) or [find_object(name) for name in self.settings.meshes]
@@ -80,16 +86,21 @@ _busy = False
 
 
 def add_preview(
-    context: Any, archive: str, settings: BakeSettings, place: int = 1, colours: bool = False, scale: float = 1e-3
-) -> Any:
+    context: Any, archive: str, settings: BakeSettings, place: int = 1, colours: bool = False, scale: float = 1e-3,
+    replace: bool = False,
+) -> Any:  # fmt: skip
     """Adds the object of a baked face, so many faces' widths beside the rig. colours: show errors, red from `scale`, a
-    share of the diagonal, on. Raises facebaker.Error, OSError; SettingsError if the face is not one of these settings."""
+    share of the diagonal, on. replace: in place of those of the same meshes, where the last of them is. Raises
+    facebaker.Error, OSError; SettingsError if the face is not one of these settings."""
     import facebaker
 
     face = facebaker.load(archive)
     if [control.name for control in face.controls] != [control.name for control in settings.controls]:
         raise SettingsError(f"{archive}: has other controls than the settings")
-    preview = make_object(face, settings, place, scene_units(context.scene)[1], colours)
+    where = _remove_previews(context.scene, settings) if replace else None
+    preview = make_object(face, settings, place, scene_units(context.scene)[1])
+    if where is not None:
+        preview.location = where
     context.scene.collection.objects.link(preview)
     preview[ARCHIVE], preview[SETTINGS] = str(archive), json.dumps(settings_document(settings))
     # A render in the window poses the mesh in a thread of its own, while the window would draw it.
@@ -102,6 +113,21 @@ def add_preview(
     return preview
 
 
+def _remove_previews(scene: Any, settings: BakeSettings) -> Any:
+    """Removes the baked faces of these meshes from a scene; the place of the last one, None if there was none."""
+    where = None
+    for preview in [found for found in scene.objects if ARCHIVE in found.keys()]:
+        if json.loads(preview[SETTINGS])["meshes"] != list(settings.meshes):
+            continue
+        where, mesh = preview.location.copy(), preview.data
+        remove_baked_meshes(preview)
+        _loaded.pop(preview.name, None)
+        bpy.data.objects.remove(preview)
+        if not mesh.users:
+            bpy.data.meshes.remove(mesh)
+    return where
+
+
 def show_colours(context: Any, preview: Any, colours: bool, scale: float) -> None:
     """Whether a preview shows its errors, red from `scale` on. Raises SettingsError."""
     state = preview_of(preview)
@@ -109,6 +135,7 @@ def show_colours(context: Any, preview: Any, colours: bool, scale: float) -> Non
         add_baked_meshes(context, state.settings, preview)
     else:
         remove_baked_meshes(preview)
+    show_error_material(preview, colours)
     preview[COLOURS], preview[SCALE] = colours, scale
 
 

@@ -14,12 +14,13 @@ if TYPE_CHECKING:
     import facebaker
 
 ATTRIBUTE = "facebaker_error"
+_MATERIAL = "FaceBaker error"
 BESIDE = 1.15  # widths of the face from one to the next
 
 
-def make_object(face: "facebaker.Face", settings: BakeSettings, place: int, factor: float, colours: bool) -> Any:
-    """An object with the face's rest mesh, so many widths beside the rig, in no scene yet. factor: from Blender's coordinates
-    to the face's. colours: with a material that shows errors, not the rig's own."""
+def make_object(face: "facebaker.Face", settings: BakeSettings, place: int, factor: float) -> Any:
+    """An object with the face's rest mesh and the rig's materials, so many widths beside the rig, in no scene yet. factor: from
+    Blender's coordinates to the face's."""
     mesh = bpy.data.meshes.new(f"{settings.name} baked")
     mesh.from_pydata(face.rest_positions.tolist(), [], _polygons(face))
     mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), bool))
@@ -27,11 +28,17 @@ def make_object(face: "facebaker.Face", settings: BakeSettings, place: int, fact
     mesh.color_attributes.active_color = mesh.color_attributes[ATTRIBUTE]
     preview = bpy.data.objects.new(mesh.name, mesh)
     _place(preview, face, settings, place, factor)
-    if colours:
-        mesh.materials.append(_error_material())
-    else:
-        _take_materials(mesh, settings)
+    _take_materials(mesh, settings)
     return preview
+
+
+def show_error_material(preview: Any, shown: bool) -> None:
+    """Has the object drawn with a material that shows errors, or with its mesh's own, which stay as they are."""
+    material = _error_material() if shown else None
+    for slot in preview.material_slots:
+        slot.link = "OBJECT"
+        slot.material = material
+        slot.link = "OBJECT" if shown else "DATA"
 
 
 def _polygons(face: "facebaker.Face") -> List[List[int]]:
@@ -61,13 +68,18 @@ def _take_materials(mesh: Any, settings: BakeSettings) -> None:
                 mesh.materials.append(material)
             known.append(slots[material.name] if material is not None else 0)
         indices += [known[p.material_index] if p.material_index < len(known) else 0 for p in source.polygons]
-    if slots and len(indices) == len(mesh.polygons):
+    if not slots:
+        mesh.materials.append(None)  # for show_error_material()
+    elif len(indices) == len(mesh.polygons):
         mesh.polygons.foreach_set("material_index", indices)
 
 
 def _error_material() -> Any:
     """One that shows the colours of errors."""
-    material = bpy.data.materials.new("FaceBaker error")
+    known = bpy.data.materials.get(_MATERIAL)
+    if known is not None:
+        return known
+    material = bpy.data.materials.new(_MATERIAL)
     if bpy.app.version < (5, 0, 0):  # later materials always have nodes
         material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
