@@ -14,6 +14,7 @@ from typing import Any, Dict, List, Optional
 
 import bpy
 
+from .bake_check import check_before_bake
 from .bake_process import BakeProcess
 from .bake_settings import BakeSettings, Path, save_settings
 from .channels import SettingsError
@@ -34,6 +35,7 @@ class BakeJob:
         self.folder = self.archive.with_suffix(".blender")
         self.scene, self.settings = self.folder / "scene.blend", self.folder / "settings.json"
         self.work, self.earlier = self.folder / "work", self.folder / "earlier"
+        self.report_page = self.folder / "report" / "index.html"
         self.process = BakeProcess(self.folder)
 
     def prepare(self, settings: BakeSettings, session: Optional[str] = None) -> None:
@@ -50,14 +52,15 @@ class BakeJob:
             bpy.ops.wm.save_as_mainfile(filepath=str(self.scene), copy=True, relative_remap=True, check_existing=False)
             stamp_file.write_text(stamp or hashlib.sha256(self.scene.read_bytes()).hexdigest()[:16])
         save_settings(settings, self.settings)
-        self._set_aside(f"{settings.deformation} {_text(stamp_file)} {self._source()}")
+        self._set_aside(f"{settings.deformation} {settings.sampling} {_text(stamp_file)} {self._source()}")
 
     def _source(self) -> str:
         return source_text(this_blender(), self.scene, self.settings)
 
     def _set_aside(self, rig: str) -> None:
         """Moves what another rig answered out of the work folder, so that this one's bake takes over what still holds; of
-        two such files the larger is kept, as an edit may be taken back. rig: a text that is another for another rig."""
+        two such files the larger is kept, as an edit may be taken back. rig: a text that is another for another rig, and for
+        other poses to ask it, as the tool takes no others in a work folder."""
         known = self.folder / "work.version"
         if _text(known) != rig:
             answers, kept = self.work / _EVALUATIONS, self.earlier / _EVALUATIONS
@@ -74,10 +77,12 @@ class BakeJob:
         named = options.reuse and pathlib.Path(options.reuse).resolve()
         if not named or named == self.work:
             options = replace(options, reuse=str(self.earlier) if self.earlier.is_dir() else "")
-        return [*bake_words(tool, self._source(), self.archive, self.work, options), "--json"]
+        report = [] if "--report" in options.extra else ["--report", str(self.report_page.parent)]
+        return [*bake_words(tool, self._source(), self.archive, self.work, options), *report, "--json"]
 
     def start(self, settings: BakeSettings, tool: str, session: Optional[str] = None) -> None:
-        """Prepares and starts the bake in the background."""
+        """Prepares and starts the bake in the background. Raises OSError, SettingsError, also of what would fail after it."""
+        check_before_bake(self.archive, self.folder, tool)
         self.prepare(settings, session)
         self.process.start(self.words(settings, tool), tool_environment(tool))
 
@@ -117,19 +122,6 @@ def this_blender() -> BlenderCommand:
     allowed = bpy.context.preferences.filepaths.use_scripts_auto_execute or {"-y", "--enable-autoexec"} & set(words)
     options.append("--enable-autoexec" if allowed and not bpy.app.autoexec_fail else "--disable-autoexec")
     return BlenderCommand(bpy.app.binary_path, options)
-
-
-def bake_figures(document: Dict[str, Any]) -> Dict[str, Any]:
-    """Of what a bake printed, the figures that a window has room for."""
-    held = document.get("held_back") or {}
-    return {
-        "bytes": document.get("bytes", 0),
-        "poses": document.get("poses", 0),
-        "rig_calls": document.get("rig_calls", 0),
-        "reused": document.get("reused", 0),
-        "train_seconds": document.get("train_seconds", 0.0),
-        "mse": held.get("mse", 0.0),
-    }
 
 
 def save_json(document: Dict[str, Any], path: Path) -> None:

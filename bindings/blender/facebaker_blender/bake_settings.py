@@ -102,6 +102,14 @@ class BakeSettings:
             del document[key]
         return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:16]
 
+    @property
+    def sampling(self) -> str:
+        """A digest of what decides which poses are asked of the rig: a work folder holds those of one such digest."""
+        free = {"workers", "threads", "reuse", "epochs"}
+        options = {key: value for key, value in asdict(self.bake).items() if key not in free}
+        shots = [asdict(shot) for shot in self.shots]
+        return hashlib.sha256(json.dumps([options, shots], sort_keys=True).encode()).hexdigest()[:16]
+
 
 def settings_document(settings: BakeSettings) -> Dict[str, Any]:
     """As JSON."""

@@ -1,4 +1,4 @@
-"""The panel in the 3D view's sidebar."""
+"""The panels in the 3D view's sidebar."""
 
 from __future__ import annotations
 
@@ -6,11 +6,18 @@ from typing import Any
 
 import bpy
 
-from .window_operators import job_of, result_lines, start_watching
+from .bake_job import BakeJob
+from .bake_result import result_lines
+from .window_controls import draw_controls
+from .window_errors import draw_problem, problem_of
+from .window_jobs import job_of, start_watching, viewer
+from .window_text import draw_properties, draw_text
+
+_INTERRUPTED = "interrupted"  # as the tool begins what it says after Stop
 
 
-class FACEBAKER_UL_controls(bpy.types.UIList):
-    """Controls; searched by name."""
+class FACEBAKER_UL_shots(bpy.types.UIList):
+    """Actions; what the selected one is for is shown below."""
 
     def draw_item(
         self, _context: Any, layout: Any, _data: Any, item: Any, _icon: Any, _active_data: Any, _active: Any, _index: Any
@@ -18,18 +25,6 @@ class FACEBAKER_UL_controls(bpy.types.UIList):
         row = layout.row(align=True)
         row.prop(item, "use", text="")
         row.label(text=item.name)
-
-
-class FACEBAKER_UL_shots(bpy.types.UIList):
-    """Actions, and what they are for."""
-
-    def draw_item(
-        self, _context: Any, layout: Any, _data: Any, item: Any, _icon: Any, _active_data: Any, _active: Any, _index: Any
-    ) -> None:
-        row = layout.row(align=True)
-        row.prop(item, "use", text="")
-        row.label(text=f"{item.name}  {item.first}-{item.last}")
-        row.prop(item, "split", text="")
 
 
 class _SidebarPanel:
@@ -41,31 +36,25 @@ class FACEBAKER_PT_rig(_SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         layout, chosen = self.layout, context.scene.facebaker
+        draw_problem(layout, context, problem_of("rig"))
         layout.operator("facebaker.choose")
         for item in [*chosen.meshes, *chosen.armatures]:
             layout.prop(item, "object", text="")
-        column = layout.column(align=True)
-        for name in "bones", "collections", "selected", "scales", "modifiers", "driven_joints":
-            column.prop(chosen, name)
+        draw_properties(
+            layout, context, chosen, ("bones", "collections", "selected", "scales", "modifiers", "driven_joints")
+        )
         layout.operator("facebaker.find")
+        for line in chosen.found.splitlines():
+            draw_text(layout, context, line, "INFO")
         if chosen.controls:
-            used = sum(item.use for item in chosen.controls)
-            layout.label(text=f"{used} of {len(chosen.controls)} controls")
-            layout.template_list("FACEBAKER_UL_controls", "", chosen, "controls", chosen, "control", rows=6)
-            self._draw_control(chosen)
+            draw_controls(layout, context, chosen)
         if chosen.shots:
             layout.template_list("FACEBAKER_UL_shots", "", chosen, "shots", chosen, "shot", rows=2)
-
-
-    def _draw_control(self, chosen: Any) -> None:
-        """The group and the range of the control that is chosen in the list."""
-        if 0 <= chosen.control < len(chosen.controls):
-            item = chosen.controls[chosen.control]
-            column = self.layout.column(align=True)
-            column.prop(item, "group")
-            row = column.row(align=True)
-            for name in "minimum", "rest", "maximum":
-                row.prop(item, name)
+            if 0 <= chosen.shot < len(chosen.shots):
+                shot = chosen.shots[chosen.shot]
+                box = layout.box()
+                draw_text(box, context, f"{shot.name}, frames {shot.first} to {shot.last}", boxed=True)
+                draw_properties(box, context, shot, ("split",))
 
 
 class FACEBAKER_PT_bake(_SidebarPanel, bpy.types.Panel):
@@ -73,48 +62,78 @@ class FACEBAKER_PT_bake(_SidebarPanel, bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         layout, chosen, job = self.layout, context.scene.facebaker, job_of(context)
-        column = layout.column(align=True)
-        for name in "character", "out", "recipe", "use", "rig_budget", "workers":
-            column.prop(chosen, name)
-        if job is None:
-            layout.label(text="Name a .fbk file, in a saved file", icon="INFO")
-            return
-        if job.process.running:
+        running = job is not None and job.process.running
+        if job is not None:
+            _draw_state(layout, context, job, running)
+        draw_problem(layout, context, problem_of("bake"))
+        if running:
             start_watching()
-            layout.label(text=job.process.progress.text, icon="RENDER_ANIMATION")
             layout.operator("facebaker.stop", icon="CANCEL")
+            return
+        draw_properties(layout, context, chosen, ("character", "out", "recipe", "use", "rig_budget", "workers"))
+        if job is None:
+            draw_text(layout, context, "Name a file that ends in .fbk; save the scene first if its path begins with //", "INFO")
             return
         layout.operator("facebaker.bake", icon="RENDER_STILL").go_on = False
         if job.process.unfinished:
-            layout.operator("facebaker.bake", text="Go on with the interrupted bake").go_on = True
-        for line in result_lines(job):
-            layout.label(text=line)
+            layout.operator("facebaker.bake", text="Continue the bake").go_on = True
+
+
+def _draw_state(layout: Any, context: Any, job: BakeJob, running: bool) -> None:
+    """How far a bake is, what it came to, or why it failed."""
+    if running:
+        for index, line in enumerate(job.process.progress.lines):
+            draw_text(layout, context, line, "TIME" if index else "RENDER_ANIMATION")
+        return
+    failure, document = job.process.failure, job.process.document
+    if failure.startswith(_INTERRUPTED):
+        draw_text(layout, context, "The bake was stopped. What is done is kept.", "INFO")
+    else:
+        draw_problem(layout, context, failure)
+    if document is not None:
+        column = layout.column()
+        for line in result_lines(document):
+            draw_text(column, context, line)
 
 
 class FACEBAKER_PT_preview(_SidebarPanel, bpy.types.Panel):
     bl_label, bl_idname = "Baked face", "FACEBAKER_PT_preview"
 
     def draw(self, context: Any) -> None:
-        from .face_preview import ARCHIVE, COLOURS, shown_preview
-
-        layout, chosen = self.layout, context.scene.facebaker
+        layout, chosen, job = self.layout, context.scene.facebaker, job_of(context)
+        draw_problem(layout, context, problem_of("face"))
         layout.operator("facebaker.show")
-        row = layout.row(align=True)
-        row.prop(chosen, "colours")
-        row.prop(chosen, "scale")
-        layout.operator("facebaker.colours")
-        for scene_object in context.scene.objects:
-            state = shown_preview(scene_object) if ARCHIVE in scene_object.keys() else None
-            if state is None:
-                continue
-            layout.label(text=f"{scene_object.name}: {1000 * state.face_ms:.0f} us a pose")
-            if state.problem:
-                layout.label(text=state.problem, icon="ERROR")
-            elif scene_object.get(COLOURS):
-                layout.label(text=f"largest error: {state.max_error:.1e}")
-        column = layout.column(align=True)
+        if job is not None and job.archive.is_file():
+            _draw_pages(layout, context, job)
+        draw_properties(layout, context, chosen, ("colours", "red_from"))
+        _draw_shown(layout, context)
         for line in chosen.measured.splitlines():
-            column.label(text=line)
+            draw_text(layout, context, line)
 
 
-CLASSES = (FACEBAKER_UL_controls, FACEBAKER_UL_shots, FACEBAKER_PT_rig, FACEBAKER_PT_bake, FACEBAKER_PT_preview)
+def _draw_pages(layout: Any, context: Any, job: BakeJob) -> None:
+    """The report of a face, and the viewer."""
+    if job.report_page.is_file():
+        layout.operator("facebaker.report", icon="URL")
+    layout.operator("facebaker.view", icon="URL")
+    if viewer.running:
+        draw_text(layout, context, f"The viewer runs: {viewer.address}" if viewer.address else "The viewer starts")
+        layout.operator("facebaker.end_viewer", icon="CANCEL")
+
+
+def _draw_shown(layout: Any, context: Any) -> None:
+    """Of the faces that the scene shows: the time of a pose, and how far it is off."""
+    from .error_display import previews_in
+    from .face_preview import COLOURS, shown_preview
+
+    for preview in previews_in(context.scene):
+        state = shown_preview(preview)
+        if state is None:
+            continue
+        draw_text(layout, context, f"{preview.name}: {1000 * state.face_ms:.0f} microseconds a pose")
+        draw_problem(layout, context, state.problem)
+        if preview.get(COLOURS) and not state.problem:
+            draw_text(layout, context, f"Worst vertex of this pose: off by {state.max_length}")
+
+
+CLASSES = (FACEBAKER_UL_shots, FACEBAKER_PT_rig, FACEBAKER_PT_bake, FACEBAKER_PT_preview)

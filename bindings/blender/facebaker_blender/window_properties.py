@@ -31,6 +31,13 @@ USES = (("variant", "New shots", "Shots are not learnt from"), ("backlot", "Thes
 PATH_OPTIONS = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 2, 0) else set())
 
 
+def _show_colours(_: Any, context: Any) -> None:
+    """Called by Blender when the choice of colours changes."""
+    from .error_display import show_errors
+
+    show_errors(context)
+
+
 def _is_mesh(_: Any, scene_object: Any) -> bool:
     return bool(scene_object.type == "MESH")
 
@@ -43,16 +50,33 @@ class FACEBAKER_PG_armature(bpy.types.PropertyGroup):
     object: bpy.props.PointerProperty(type=bpy.types.Object, poll=lambda _, found: found.type == "ARMATURE")
 
 
+def _as_angle(name: str, of: str) -> Any:
+    """A property that shows a number of radians as an angle, in degrees unless the scene's units say radians."""
+    return bpy.props.FloatProperty(
+        name=name, subtype="ANGLE", precision=2, step=100,
+        get=lambda item: getattr(item, of), set=lambda item, value: setattr(item, of, value),
+    )  # fmt: skip
+
+
 class FACEBAKER_PG_control(bpy.types.PropertyGroup):
-    """A control; its name is the group's."""
+    """A control; its name is the group's. Ranges are kept as the face has them, those of rotations in radians."""
 
     use: bpy.props.BoolProperty(name="Bake", default=True)
     group: bpy.props.StringProperty(name="Group", description="The part of the face that it moves")
-    minimum: bpy.props.FloatProperty(name="Min", precision=4)
-    maximum: bpy.props.FloatProperty(name="Max", precision=4)
+    minimum: bpy.props.FloatProperty(name="Minimum", precision=4)
+    maximum: bpy.props.FloatProperty(name="Maximum", precision=4)
     rest: bpy.props.FloatProperty(name="Rest", precision=4)
+    minimum_angle: _as_angle("Minimum", "minimum")
+    maximum_angle: _as_angle("Maximum", "maximum")
+    rest_angle: _as_angle("Rest", "rest")
     mirror: bpy.props.StringProperty()
     channel: bpy.props.StringProperty()
+
+    @property
+    def range_names(self) -> "tuple[str, str, str]":
+        """The properties that show its range: as angles where it is a rotation."""
+        suffix = "_angle" if json.loads(self.channel)["kind"] == "rotation" else ""
+        return f"minimum{suffix}", f"rest{suffix}", f"maximum{suffix}"
 
     def take(self, control: SceneControl) -> None:
         self.name, self.group, self.mirror, self.use = control.name, control.group, control.mirror, True
@@ -60,6 +84,9 @@ class FACEBAKER_PG_control(bpy.types.PropertyGroup):
         self.channel = json.dumps(channel_fields(control.channel))
 
     def control(self) -> SceneControl:
+        """Raises SettingsError if its minimum is not below its maximum."""
+        if self.minimum >= self.maximum:
+            raise SettingsError(f'control "{self.name}": its minimum is not below its maximum')
         rest = min(max(self.rest, self.minimum), self.maximum)
         channel = Channel(**json.loads(self.channel))
         return SceneControl(self.name, channel, self.minimum, self.maximum, rest, self.group, self.mirror)
@@ -91,6 +118,11 @@ class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
     driven_joints: bpy.props.EnumProperty(name="Driven joints", items=JOINTS, default="none")
     controls: bpy.props.CollectionProperty(type=FACEBAKER_PG_control)
     control: bpy.props.IntProperty()
+    search: bpy.props.StringProperty(
+        name="Search", description="Show controls whose names contain this", options={"TEXTEDIT_UPDATE"}
+    )
+    opened: bpy.props.StringProperty()  # groups of controls that are unfolded, a JSON list
+    found: bpy.props.StringProperty()  # lines about what the last search for controls found
     shots: bpy.props.CollectionProperty(type=FACEBAKER_PG_shot)
     shot: bpy.props.IntProperty()
     out: bpy.props.StringProperty(name="Archive", subtype="FILE_PATH", options=PATH_OPTIONS, default="//face.fbk")
@@ -100,10 +132,13 @@ class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
         name="Rig budget", default=BakeOptions().rig_budget, min=0, description="Poses that the rig is asked in order to learn"
     )
     workers: bpy.props.IntProperty(name="Workers", default=2, min=1, max=256, description="Blender processes that evaluate")
-    colours: bpy.props.BoolProperty(name="Errors as colours", description="On the baked face")
-    scale: bpy.props.FloatProperty(
-        name="Red from", default=1e-3, min=1e-6, max=1, precision=5, description="Share of the face's diagonal"
+    colours: bpy.props.BoolProperty(
+        name="Errors as colours", description="How far each vertex of the baked face is from the rig's", update=_show_colours
     )
+    red_from: bpy.props.FloatProperty(
+        name="Red from (mm)", default=0.3, min=1e-3, soft_max=10, max=1e4, precision=3, step=1, update=_show_colours,
+        description="The distance in millimetres that is red",
+    )  # fmt: skip
     measured: bpy.props.StringProperty()  # lines of the last measurement
 
     def settings(self) -> BakeSettings:

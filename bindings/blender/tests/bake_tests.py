@@ -1,11 +1,13 @@
 """Bakes through the tool, in processes of their own; in_blender.py runs it."""
 
+import html
 import json
 import os
 import pathlib
 import signal
 import subprocess
 import time
+from unittest import mock
 
 import bpy
 import numpy as np
@@ -14,7 +16,9 @@ from addon_support import HEADLESS, BakingTest, found
 import facebaker
 from facebaker_blender import face_preview
 from facebaker_blender.bake_job import BakeJob, this_blender
+from facebaker_blender.bake_result import result_lines
 from facebaker_blender.bake_settings import BakeOptions, BakeSettings, load_settings, save_settings
+from facebaker_blender.error_display import previews_in
 from facebaker_blender.scene_channels import SceneChannels
 from facebaker_blender.scene_choice import chosen_meshes
 from facebaker_blender.scene_evaluator import SceneEvaluator
@@ -92,21 +96,86 @@ class BakeTest(BakingTest):
             self.assertEqual([item.name for item in chosen.controls], [c.name for c in settings.controls])
             chosen.out, chosen.recipe, chosen.rig_budget, chosen.workers = "//window.fbk", "linear", 100, 1
             self.assertEqual(bpy.ops.facebaker.bake(), {"FINISHED"})
-            from facebaker_blender import window_operators
+            from facebaker_blender import window_errors, window_jobs
 
-            job = window_operators.job_of(bpy.context)
+            job = window_jobs.job_of(bpy.context)
             with self.assertRaisesRegex(RuntimeError, "is running"):
                 bpy.ops.facebaker.bake()
+            self.assertIn("is running", window_errors.problem_of("bake"))
             self.assertTrue(job.process.wait(200))
-            self.assertIsNone(window_operators.watch())
+            self.assertIsNone(window_jobs.watch())
             self.assertIsNotNone(job.process.document, job.process.log.read_text())
             self.assertTrue(job.process.progress.finished)
-            chosen.colours = True
+            self.check_result(job)
             self.assertEqual(bpy.ops.facebaker.show(), {"FINISHED"})
             self.assertIn("times faster", chosen.measured)
-            self.assertEqual(bpy.ops.facebaker.colours(), {"FINISHED"})
+            self.check_replacing(chosen)
+            self.check_pages(job)
+            chosen.rig_budget = 120  # other poses, of the same scene
+            self.assertEqual(bpy.ops.facebaker.bake(), {"FINISHED"})
+            self.assertTrue(job.process.wait(200))
+            self.assertEqual((job.process.failure, window_errors.problem_of("bake")), ("", ""))
         finally:
             facebaker_blender.unregister()
+
+    def check_result(self, job):
+        """The first line is the tool's verdict."""
+        first, second = result_lines(job.process.document)[:2]
+        self.assertEqual(first, job.process.document["verdict"])
+        self.assertRegex(first, r"^Worst vertex of \d+ frames: off by [\d.e+-]+ mm")
+        self.assertRegex(second, r"^\d+ kB, trained on \d+ poses$")
+
+    def check_replacing(self, chosen):
+        """A face that is shown again takes the place of the one that is shown; its errors follow at once."""
+        scene = bpy.context.scene
+        (shown,) = previews_in(scene)
+        shown.location.x += 2
+        name, place, meshes = shown.name, shown.location.copy(), len(bpy.data.meshes)
+        chosen.colours = True
+        copies = len([found for found in bpy.data.objects if found.name.endswith("as baked")])
+        self.assertEqual(bpy.ops.facebaker.show(), {"FINISHED"})
+        (shown,) = previews_in(scene)
+        self.assertEqual((shown.name, shown.location), (name, place))
+        self.assertEqual(len(bpy.data.meshes), meshes)
+        self.assertEqual(len([found for found in bpy.data.objects if found.name.endswith("as baked")]), copies)
+        self.assertEqual([slot.material.name for slot in shown.material_slots], ["FaceBaker error"])
+        state = face_preview.preview_of(shown)
+        chosen.red_from = 250.0
+        self.assertAlmostEqual(shown[face_preview.SCALE] * state.face.diagonal, 0.25, 5)
+        bpy.data.objects["face"].data.shape_keys.key_blocks["smile.L"].value = 1.0
+        bpy.data.objects["face"].data.shape_keys.key_blocks["smile.R"].value = 0.9
+        bpy.context.view_layer.update()
+        self.assertRegex(state.max_length, r"^\d+ mm$")
+        before = state.max_error
+        bpy.context.view_layer.update()
+        bpy.data.objects["face"].data.shape_keys.key_blocks["smile.R"].value = 0.1
+        bpy.context.view_layer.update()
+        self.assertLess(state.max_error, 0.5 * before)
+        chosen.colours = False
+        self.assertEqual([slot.material for slot in shown.material_slots], [None])
+
+    def check_pages(self, job):
+        """Report and viewer; the tool that is tested may have been built without the viewer."""
+        from facebaker_blender import window_errors, window_jobs
+
+        with mock.patch("webbrowser.open", return_value=True) as opened:
+            self.assertEqual(bpy.ops.facebaker.report(), {"FINISHED"})
+        opened.assert_called_once_with(job.report_page.as_uri())
+        self.assertTrue(html.escape(job.process.document["verdict"]) in job.report_page.read_text())
+        with mock.patch("webbrowser.open", return_value=False):
+            with self.assertRaisesRegex(RuntimeError, "no browser was found; the report is /"):
+                bpy.ops.facebaker.report()
+        self.assertEqual(bpy.ops.facebaker.view(), {"FINISHED"})
+        end = time.monotonic() + 20
+        while window_jobs.viewer.running and not window_jobs.viewer.address and time.monotonic() < end:
+            time.sleep(0.05)
+        if window_jobs.viewer.address:
+            self.assertIsNotNone(window_jobs.watch())
+            self.assertEqual(bpy.ops.facebaker.end_viewer(), {"FINISHED"})
+        else:
+            window_jobs.watch()
+            self.assertIn("no viewer: name a program", window_errors.problem_of("face"))
+        self.assertFalse(window_jobs.viewer.running)
 
     def test_a_killed_bake_goes_on(self):
         out = self.folder / "killed.fbk"

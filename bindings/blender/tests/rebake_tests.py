@@ -115,7 +115,8 @@ class RebakeTest(BakingTest):
 
     def test_in_the_window(self):
         import facebaker_blender
-        from facebaker_blender import window_operators
+        from facebaker_blender import window_jobs
+        from facebaker_blender.bake_result import result_lines
 
         facebaker_blender.register()
         try:
@@ -129,12 +130,12 @@ class RebakeTest(BakingTest):
             for less in False, True:
                 chosen.controls[0].use = not less
                 self.assertEqual(bpy.ops.facebaker.bake(), {"FINISHED"})
-                job = window_operators.job_of(bpy.context)
+                job = window_jobs.job_of(bpy.context)
                 self.assertTrue(job.process.wait(200))
-                window_operators.watch()
+                window_jobs.watch()
                 self.assertIsNotNone(job.process.document, job.process.log.read_text())
             self.assertGreater(job.process.document["reused"], 20)
-            self.assertTrue(any("answers taken over" in line for line in window_operators.result_lines(job)))
+            self.assertTrue(any("were taken over" in line for line in result_lines(job.process.document)))
         finally:
             facebaker_blender.unregister()
         self.assertTrue(json.loads((job.folder / "settings.json").read_text()))
