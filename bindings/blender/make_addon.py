@@ -4,7 +4,8 @@
     make_addon.py BUILD OUT.zip
 
 BUILD is a build folder of FaceBaker, such as build/release. In the zip are the add-on, the Python package, the tool and the
-libraries, with those they need that not every system has. Standard library only."""
+libraries, with those they need that not every system has; and the viewer, where samples/viewer/build.sh has built it into the
+folder `viewer` beside BUILD. Standard library only."""
 
 import ast
 import json
@@ -34,10 +35,17 @@ def addon_files(build):
     for path in (PYTHON / "facebaker").glob("*.py"):
         files[f"{carried}/facebaker/{path.name}"] = path.read_bytes()
     files[f"{carried}/facebaker/libfacebaker.so"] = runtime.read_bytes()
-    files[f"{carried}/bin/facebaker"] = tool.read_bytes()
-    for needed in needed_libraries(tool):
-        files[f"{carried}/lib/{needed.name}"] = needed.read_bytes()
-        files.update({f"{carried}/{name}": text for name, text in notices_of(needed).items()})
+    programs = [tool]
+    server, page = build / "bin" / "facebaker-view", build.parent / "viewer"
+    if server.is_file() and (page / "index.html").is_file():
+        programs.append(server)
+        pages = [path for path in page.rglob("*") if path.is_file()]
+        files.update({f"{carried}/share/facebaker/viewer/{path.relative_to(page)}": path.read_bytes() for path in pages})
+    for program in programs:
+        files[f"{carried}/bin/{program.name}"] = program.read_bytes()
+        for needed in needed_libraries(program):
+            files[f"{carried}/lib/{needed.name}"] = needed.read_bytes()
+            files.update({f"{carried}/{name}": text for name, text in notices_of(needed).items()})
     for needed in needed_libraries(runtime):
         files[f"{carried}/facebaker/carried/{needed.name}"] = needed.read_bytes()
     files["facebaker_blender/LICENSE"] = (ROOT / "LICENSE").read_bytes()
@@ -77,7 +85,7 @@ def main(words):
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as packed:
         for path, data in sorted(addon_files(pathlib.Path(words[0]).resolve()).items()):
             entry = zipfile.ZipInfo(path, DATE)
-            entry.external_attr = (0o755 if path.endswith("/bin/facebaker") else 0o644) << 16
+            entry.external_attr = (0o755 if "/carried/bin/" in path else 0o644) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             packed.writestr(entry, data)
     os.replace(partial, out)

@@ -85,12 +85,13 @@ def find_tool(chosen: str = "") -> str:
 
 
 def _carried_tool() -> Optional[str]:
-    """The program in the add-on's zip. Blender unpacks that without the permission to run it."""
+    """The program in the add-on's zip. Blender unpacks that, and the viewer's, without the permission to run them."""
     carried = HERE / "carried" / "bin" / "facebaker"
     if not carried.is_file():
         return None
-    if not os.access(carried, os.X_OK):
-        carried.chmod(carried.stat().st_mode | 0o111)
+    for program in carried.parent.iterdir():
+        if not os.access(program, os.X_OK):
+            program.chmod(program.stat().st_mode | 0o111)
     return str(carried)
 
 

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import runpy
 import shutil
 import subprocess
 import tempfile
@@ -69,6 +70,28 @@ class PackedTest(unittest.TestCase):
         printed = self.blender("--command", "extension", "validate", self.packed)
         self.assertNotIn("rror", printed)
         self.assertNotIn("arning", printed)
+
+    def test_the_viewer_is_packed_where_it_is_built(self):
+        build = pathlib.Path(find_tool()).parents[1]
+        if not (build / "bin" / "facebaker-view").is_file():
+            self.skipTest("the tool was built without its web server")
+        names = {}
+        for folder in "without", "with":
+            beside = self.folder / folder
+            beside.mkdir()
+            (beside / "build").symlink_to(build)
+            if folder == "with":
+                (beside / "viewer" / "assets").mkdir(parents=True)
+                for name in "index.html", "assets/page.js":
+                    (beside / "viewer" / name).write_text("FaceBaker viewer")
+            files = runpy.run_path(str(HERE.parent / "make_addon.py"))["addon_files"](beside / "build")
+            names[folder] = {name.partition("/carried/")[2] for name in files}
+        self.assertLessEqual(
+            {"bin/facebaker-view", "share/facebaker/viewer/index.html", "share/facebaker/viewer/assets/page.js"},
+            names["with"] - names["without"],
+        )
+        self.assertIn("bin/facebaker", names["without"])
+        self.assertFalse(any("view" in name for name in names["without"]))
 
     def test_it_installs_bakes_and_previews(self):
         if EXTENSIONS:
