@@ -37,6 +37,8 @@ class Failing:
         except Exception as error:
             text = message_of(error)
             set_problem(self.part, text)
+            if context.area:
+                context.area.tag_redraw()
             self.report({"ERROR"}, text)
             return {"CANCELLED"}
         return {"FINISHED"}

@@ -1,7 +1,7 @@
 """Draws docs/pictures/blender_panel.png: bakes a scene by the buttons of the panel and keeps pictures of it.
 
-    xvfb-run -s "-screen 0 1600x2000x24" blender --enable-event-simulate --factory-startup -P draw_panel.py -- \\
-      SCENE.blend OUT [--collections NAMES] [--recipe NAME] [--rig-budget N] [--size WIDTHxHEIGHT]
+    xvfb-run -s "-screen 0 1150x1500x24" blender --enable-event-simulate --factory-startup -P draw_panel.py -- \\
+      SCENE.blend OUT [--collections NAMES] [--recipe NAME] [--rig-budget N] [--baked]
 
 SCENE is a copy of a scene that may be written beside, such as that of rigify_face.py. OUT.before.png, OUT.running.png,
 OUT.error.png and OUT.png are the 3D view with nothing baked, during the bake, with an error, and at the end."""
@@ -62,6 +62,13 @@ def look_at(objects):
     bpy.ops.object.select_all(action="DESELECT")
 
 
+def redrawn():
+    """Until panels that have grown have their new places."""
+    for _ in range(3):
+        sidebar()[1].tag_redraw()
+        yield 1
+
+
 def take_picture(path):
     window, area, region = sidebar()
     print(f"{path}: sidebar {region.width} of {area.width} x {area.height} pixels, scale {bpy.context.preferences.system.ui_scale:.2f}")
@@ -96,18 +103,17 @@ def draw(options):
     press("facebaker.choose")
     press("facebaker.find")
     meshes = [item.object for item in chosen.meshes]
-    for item in chosen.meshes:
-        print(item.object.name)
     look_at(meshes)
     yield 1
     take_picture(f"{out}.before.png")
     press("facebaker.fold", group=chosen.controls[0].group)
     chosen.out = "/proc/nowhere/face.fbk"
     press("facebaker.bake")
-    yield 1
+    yield from redrawn()
     take_picture(f"{out}.error.png")
     chosen.out = f"//{options.out.stem}.fbk"
-    press("facebaker.bake")
+    if not options.baked:
+        press("facebaker.bake")
     job, pictures = window_jobs.job_of(bpy.context), 0
     while job.process.running:
         yield 2
@@ -123,7 +129,7 @@ def draw(options):
 
     pose_from_shots(load_settings(job.settings))
     look_at([*meshes, *previews_in(bpy.context.scene)])
-    yield 2
+    yield from redrawn()
     take_picture(options.out)
 
 
@@ -133,7 +139,8 @@ def main(words):
     parser.add_argument("out", type=lambda text: pathlib.Path(text).resolve())
     parser.add_argument("--collections", default="")
     parser.add_argument("--recipe", default="compact")
-    parser.add_argument("--rig-budget", type=int, default=12000)
+    parser.add_argument("--rig-budget", type=int, default=3000)
+    parser.add_argument("--baked", action="store_true", help="show what an earlier call baked")
     steps = draw(parser.parse_args(words))
 
     def go_on():
