@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, List
 
 import bpy
 
 from .bake_job import BakeJob
-from .bake_result import result_lines
+from .bake_result import result_lines, warnings_of
 from .window_controls import draw_controls
 from .window_errors import draw_problem, problem_of
 from .window_jobs import job_of, start_watching, viewer
@@ -94,6 +94,21 @@ def _draw_state(layout: Any, context: Any, job: BakeJob, running: bool) -> None:
         column = layout.column()
         for line in result_lines(document):
             draw_text(column, context, line)
+        _draw_warnings(column, context, warnings_of(document))
+
+
+def _draw_warnings(layout: Any, context: Any, warnings: List[str]) -> None:
+    """How many there are, and behind an arrow all of each."""
+    if not warnings:
+        return
+    chosen = context.scene.facebaker
+    arrow = "DISCLOSURE_TRI_DOWN" if chosen.show_warnings else "DISCLOSURE_TRI_RIGHT"
+    text = f"{len(warnings)} warning" + ("s" if len(warnings) > 1 else "")
+    row = layout.row()
+    row.alignment = "LEFT"
+    row.prop(chosen, "show_warnings", text=text, icon=arrow, emboss=False)
+    for warning in warnings if chosen.show_warnings else ():
+        draw_text(layout, context, warning)
 
 
 class FACEBAKER_PT_preview(_SidebarPanel, bpy.types.Panel):

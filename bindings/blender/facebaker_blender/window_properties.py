@@ -132,6 +132,7 @@ class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
         name="Rig budget", default=BakeOptions().rig_budget, min=0, description="Poses that the rig is asked in order to learn"
     )
     workers: bpy.props.IntProperty(name="Workers", default=2, min=1, max=256, description="Blender processes that evaluate")
+    show_warnings: bpy.props.BoolProperty(name="Warnings", description="Show what the bake warned of")
     colours: bpy.props.BoolProperty(
         name="Errors as colours", description="How far each vertex of the baked face is from the rig's", update=_show_colours
     )

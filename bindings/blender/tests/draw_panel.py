@@ -1,9 +1,10 @@
 """Draws docs/pictures/blender_panel.png: bakes a scene by the buttons of the panel and keeps pictures of it.
 
-    xvfb-run -s "-screen 0 1150x1500x24" blender --enable-event-simulate --factory-startup -P draw_panel.py -- \\
+    xvfb-run -s "-screen 0 1200x2450x24" blender --enable-event-simulate --factory-startup -P draw_panel.py -- \\
       SCENE.blend OUT [--collections NAMES] [--recipe NAME] [--rig-budget N] [--baked]
 
-SCENE is a copy of a scene that may be written beside, such as that of rigify_face.py. OUT.before.png, OUT.running.png,
+SCENE is a copy of a scene that may be written beside; the picture is of that of rigify_face.py with --collections 0,1,2, made
+smaller by ImageMagick: convert OUT.png -crop 911x1975+80+0 +repage +dither -colors 160 blender_panel.png. OUT.before.png, OUT.running.png,
 OUT.error.png and OUT.png are the 3D view with nothing baked, during the bake, with an error, and at the end."""
 
 import argparse
@@ -59,6 +60,9 @@ def look_at(objects):
     with bpy.context.temp_override(window=window, area=area, region=region):
         bpy.ops.view3d.view_axis(type="FRONT")
         bpy.ops.view3d.view_selected()
+    view = area.spaces.active.region_3d  # beside the sidebar
+    view.view_distance *= 1.4
+    view.view_location.x += 0.09 * view.view_distance
     bpy.ops.object.select_all(action="DESELECT")
 
 
@@ -106,13 +110,15 @@ def draw(options):
     look_at(meshes)
     yield 1
     take_picture(f"{out}.before.png")
-    press("facebaker.fold", group=chosen.controls[0].group)
-    chosen.out = "/proc/nowhere/face.fbk"
-    press("facebaker.bake")
-    yield from redrawn()
-    take_picture(f"{out}.error.png")
-    chosen.out = f"//{options.out.stem}.fbk"
+    turned = next((item for item in chosen.controls if item.range_names[0].endswith("_angle")), chosen.controls[0])
+    chosen.control = list(chosen.controls).index(turned)
+    press("facebaker.fold", group=turned.group)
     if not options.baked:
+        chosen.out = "/proc/nowhere/face.fbk"
+        press("facebaker.bake")
+        yield from redrawn()
+        take_picture(f"{out}.error.png")
+        chosen.out = f"//{options.out.stem}.fbk"
         press("facebaker.bake")
     job, pictures = window_jobs.job_of(bpy.context), 0
     while job.process.running:

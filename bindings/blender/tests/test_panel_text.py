@@ -6,7 +6,7 @@ import tempfile
 import unittest
 
 from facebaker_blender.bake_process import BakeProcess
-from facebaker_blender.bake_result import result_lines
+from facebaker_blender.bake_result import result_lines, warnings_of
 from facebaker_blender.progress_lines import BakeProgress, spoken_time
 from facebaker_blender.shown_lengths import length_text
 from facebaker_blender.text_wrap import wrapped
@@ -68,9 +68,11 @@ class ResultTest(unittest.TestCase):
             result_lines(document),
             [document["verdict"], "5 kB, trained on 12,000 poses", "The rig was evaluated 13,001 times"],
         )
-        more = result_lines({"bytes": 2_340_000, "reused": 33, "warnings": ["one control jumps"], "verdict": ""})
+        more = result_lines({"bytes": 2_340_000, "reused": 33, "verdict": ""})
         self.assertEqual(more[0], "2.34 MB, trained on 0 poses")
-        self.assertEqual(more[2:], ["33 answers of the rig were taken over", "Warning: one control jumps"])
+        self.assertEqual(more[2:], ["33 answers of the rig were taken over"])
+        self.assertEqual(warnings_of({"warnings": ["one control jumps"]}), ["One control jumps."])
+        self.assertEqual(warnings_of(document), [])
 
 
 class FailureTest(unittest.TestCase):

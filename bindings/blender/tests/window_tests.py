@@ -32,7 +32,7 @@ class FakeLayout:
     def label(self, text="", icon="NONE"):
         self.rows.append(("label", text, icon))
 
-    def prop(self, owner, name, text=None, icon="NONE"):
+    def prop(self, owner, name, text=None, icon="NONE", emboss=True):
         shown = owner.bl_rna.properties[name].name if text is None else text
         self.rows.append(("prop", shown, (owner, name, getattr(self, "use_property_split", False))))
 
@@ -244,6 +244,14 @@ class BakePanelTest(WindowTest):
         text = " ".join(labels(rows))
         self.assertTrue(text.startswith(verdict), text)
         self.assertEqual(rows[0][0], "label")
+
+    def test_warnings_are_behind_an_arrow(self):
+        document = {"verdict": "", "warnings": ["the first of them is long " * 5, "a second"]}
+        rows = self.state(document=document)
+        self.assertIn("2 warnings", [text for kind, text, _ in rows if kind == "prop"])
+        self.assertNotIn("A second.", labels(rows))
+        self.chosen.show_warnings = True
+        self.assertIn("A second.", labels(self.state(document=document)))
 
     def test_progress_is_that_of_the_tool(self):
         rows = self.state(running=True)
