@@ -11,6 +11,8 @@
 namespace fb::tool {
 namespace {
 
+constexpr float whitest = 0.7f;  // albedo of what a material calls white: more would be white in every light
+
 // A vertex after projection: sample coordinates, and 1 / depth, which is linear over the image.
 struct Projected {
   float x = 0, y = 0, inverse_depth = 0;  // 0: behind the camera
@@ -105,7 +107,7 @@ Vector3 shade(const TransformedScene& p, const Hit& hit) {
   if (!p.scene.colours.empty()) return shade_colour_map(normal, ambient_occlusion, interpolate(p.scene.colours));
   if (!p.appearance) return shade_clay(normal, to_eye, ambient_occlusion, clay);
   const Appearance::Seen seen = p.appearance->at(hit.triangle / 3, hit.b, hit.c);
-  return shade_clay(normal, to_eye, ambient_occlusion, seen.colour) + seen.emissive;
+  return shade_clay(normal, to_eye, ambient_occlusion, seen.colour * whitest) + seen.emissive;
 }
 
 }  // namespace

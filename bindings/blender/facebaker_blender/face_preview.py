@@ -68,9 +68,9 @@ class FacePreview:
     def _colour(self, preview: Any, graph: Any, scale: float) -> None:
         """Distances from where the rig has the vertices now, in the state in which it was baked."""
         objects = baked_meshes(preview) or [find_object(name) for name in self.settings.meshes]
-        reference = find_object(self.settings.reference or self.settings.meshes[0], graph)
-        factor = scene_units(graph.scene)[1]
-        true = evaluated_positions(objects, graph, np.linalg.inv(world_matrix(reference)), factor)
+        reference = world_matrix(find_object(self.settings.reference or self.settings.meshes[0], graph))
+        factor = scene_units(graph.scene, reference)[1]
+        true = evaluated_positions(objects, graph, np.linalg.inv(reference), factor)
         colours = preview.data.color_attributes[ATTRIBUTE].data
         if true.shape != self.positions.shape:
             self.problem = f"the rig has {len(true)} vertices now, the face {len(self.positions)}"
@@ -98,7 +98,8 @@ def add_preview(
     if [control.name for control in face.controls] != [control.name for control in settings.controls]:
         raise SettingsError(f"{archive}: has other controls than the settings")
     where = _remove_previews(context.scene, settings) if replace else None
-    preview = make_object(face, settings, place, scene_units(context.scene)[1])
+    reference = world_matrix(find_object(settings.reference or settings.meshes[0]))
+    preview = make_object(face, settings, place, scene_units(context.scene, reference)[1])
     if where is not None:
         preview.location = where
     context.scene.collection.objects.link(preview)

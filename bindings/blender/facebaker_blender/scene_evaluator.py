@@ -14,17 +14,20 @@ from .mesh_modifiers import count_changers, refuse_count_changers
 from .scene_channels import SceneChannels, find_object
 from .time_dependence import refuse_time_dependence
 
-# Names of units that Blender's unit scale stands for.
+# Names of units, by their metres.
 _UNITS = {1.0: "m", 0.1: "dm", 0.01: "cm", 0.001: "mm"}
 
 
-def scene_units(scene: Any) -> Tuple[str, float]:
-    """The name of the unit of positions, and what Blender's coordinates are multiplied by to be in it."""
+def scene_units(scene: Any, reference: "np.ndarray[Any, Any]") -> Tuple[str, float]:
+    """The name of the unit of positions, and what coordinates in the space of the reference are multiplied by to be in it.
+    reference: (4, 4), from that space to the world. What importers of FBX bring often has objects that are scaled, such
+    as a hundred times down: coordinates are then in centimetres."""
     scale = scene.unit_settings.scale_length if scene.unit_settings.system != "NONE" else 1.0
+    scale *= abs(float(np.linalg.det(reference[:3, :3]))) ** (1 / 3)
     for known, name in _UNITS.items():
-        if abs(scale - known) <= 1e-6 * known:
+        if abs(scale - known) <= 1e-5 * known:
             return name, 1.0
-    return "m", float(scale)
+    return "m", scale
 
 
 class SceneEvaluator:
@@ -73,7 +76,6 @@ class SceneEvaluator:
             if mesh_object.type != "MESH":
                 raise SettingsError(f'"{mesh_object.name}" is of type {mesh_object.type}, no mesh')
         self.channels = SceneChannels(settings.controls)
-        self.units, self.scale = scene_units(self.context.scene)
         state = self.channels.state()
         stack.callback(self._restore, state)
         self._show(stack)
@@ -82,7 +84,9 @@ class SceneEvaluator:
         self.rest_controls = np.array([control.rest for control in settings.controls], np.float32)
         self.pose_scene(self.rest_controls)
         # Positions are in the space that the reference has at rest: a face that it carries along moves.
-        self.to_reference = np.linalg.inv(world_matrix(self.evaluated(self.reference)))
+        reference = world_matrix(self.evaluated(self.reference))
+        self.to_reference = np.linalg.inv(reference)
+        self.units, self.scale = scene_units(self.context.scene, reference)
         self.vertex_counts = [len(self.evaluated(mesh_object).data.vertices) for mesh_object in self.objects]
         if 0 in self.vertex_counts:
             raise SettingsError(f'"{settings.meshes[self.vertex_counts.index(0)]}" has no vertices')

@@ -81,6 +81,21 @@ class ImportTest(unittest.TestCase):
         self.headless("controls", "--import", self.folder / "face.fbx", "--out", self.folder / "face.json")
         self.assertEqual([c.name for c in load_settings(self.folder / "face.json").controls], names)
 
+    def test_a_scaled_armature_has_its_own_unit(self):
+        from facebaker_blender.scene_evaluator import scene_units
+
+        scene = bpy.context.scene
+        turned = np.array([[1, 0, 0, 5], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1.0]])
+        for scale, unit, factor in ((1, "m", 1), (0.01, "cm", 1), (0.001, "mm", 1), (0.5, "m", 0.5), (-0.01, "cm", 1)):
+            matrix = turned @ np.diag([scale, scale, scale, 1])
+            named, found = scene_units(scene, np.float32(matrix).astype(float))
+            self.assertEqual(named, unit)
+            self.assertAlmostEqual(found, factor)
+        scene.unit_settings.scale_length = 0.01
+        self.addCleanup(setattr, scene.unit_settings, "scale_length", 1.0)
+        self.assertEqual(scene_units(scene, np.eye(4)), ("cm", 1.0))
+        self.assertEqual(scene_units(scene, np.diag([0.1, 0.1, 0.1, 1])), ("mm", 1.0))
+
     def test_what_cannot_be_imported_is_told(self):
         out = self.folder / "none.fbk"
         (self.folder / "broken.fbx").write_bytes(b"no such thing")
