@@ -133,6 +133,8 @@ def _draw_pages(layout: Any, context: Any, job: BakeJob) -> None:
     layout.operator("facebaker.view", icon="URL")
     if viewer.running:
         draw_text(layout, context, f"The viewer runs: {viewer.address}" if viewer.address else "The viewer starts")
+        if viewer.address:
+            layout.operator("facebaker.copy", text="Copy address", icon="COPYDOWN").text = viewer.address
         layout.operator("facebaker.end_viewer", icon="CANCEL")
 
 

@@ -258,6 +258,20 @@ class BakePanelTest(WindowTest):
         self.assertEqual(labels(rows), ["Training: 60 %", "About 2 minutes left"])
         self.assertEqual([text for kind, text, _ in rows if kind == "operator"], ["Stop"])
 
+    def test_pages_are_offered_where_there_is_a_face(self):
+        archive = types.SimpleNamespace(is_file=lambda: True)
+        job = types.SimpleNamespace(archive=archive, report_page=archive)
+        viewer = types.SimpleNamespace(running=True, address="http://127.0.0.1:4711/?token=" + 32 * "f")
+        buttons = lambda: [text for kind, text, _ in drawn(PANELS[2]) if kind == "operator"]
+        self.assertEqual(buttons(), ["Show baked face"])
+        with mock.patch.object(window_panel, "job_of", return_value=job), mock.patch.object(window_panel, "viewer", viewer):
+            self.assertEqual(
+                buttons(), ["Show baked face", "Open report", "Open viewer", "Copy address", "End viewer"]
+            )
+            self.assertIn(viewer.address, "".join(labels(drawn(PANELS[2]))))
+            job.report_page = types.SimpleNamespace(is_file=lambda: False)
+            self.assertNotIn("Open report", buttons())
+
     def test_failures(self):
         rows = self.state(failure="the rig said no", unfinished=True)
         self.assertEqual(labels(rows)[0], "The rig said no")
