@@ -47,8 +47,8 @@ echo 'Acquire::Check-Valid-Until "false";' > "$root/etc/apt/apt.conf.d/90lagging
 inside apt-get -q update
 # The last two are of the command "extension" in Blender 5.2, whose package does not ask for them.
 inside apt-get -q install -y --no-install-recommends blender python3-numpy libgomp1 libstdc++6 python3-cattr python3-requests
-# What the tool needs besides, in this machine's version.
-for library in $(ldd "$build/bin/facebaker" | awk '$3 ~ "^/" && $1 !~ "^lib(c|m|gcc_s|stdc\\+\\+|gomp|facebaker.*)\\.so" { print $3 }'); do
+# What the tool and the viewer, if it is built, need besides, in this machine's version.
+for library in $(ldd "$build"/bin/facebaker "$build"/bin/facebaker-view 2> /dev/null | awk '$3 ~ "^/" && $1 !~ "^lib(c|m|gcc_s|stdc\\+\\+|gomp|facebaker.*)\\.so" { print $3 }'); do
   cp -L "$library" "$root/usr/local/lib/"
 done
 inside ldconfig
