@@ -18,6 +18,7 @@ from .bake_check import check_before_bake
 from .bake_process import BakeProcess
 from .bake_settings import BakeSettings, Path, save_settings
 from .channels import SettingsError
+from .kept_answers import worth_keeping
 from .tool_command import BlenderCommand, bake_words, source_text, tool_environment
 
 
@@ -87,9 +88,16 @@ class BakeJob:
         self.process.start(self.words(settings, tool), tool_environment(tool))
 
     def tidy(self) -> None:
-        """Removes what the rig answered before it was edited, once a bake is complete."""
-        if self.process.document is not None and not self.process.running and self.earlier.is_dir():
+        """Removes, once a bake is complete, what the rig answered before it was edited; and what it answered now, where
+        that is large and quickly asked again."""
+        document = self.process.document
+        if document is None or self.process.running:
+            return
+        if self.earlier.is_dir():
             shutil.rmtree(self.earlier)
+        answers = self.work / _EVALUATIONS
+        if answers.is_file() and not worth_keeping(answers.stat().st_size, document["bytes"], document["asked_by_stage"]):
+            answers.unlink()
 
     def go_on(self) -> None:
         """Goes on with a bake that was interrupted, from the copy of the scene that it had. Raises SettingsError."""

@@ -14,7 +14,9 @@ namespace fb::bake {
 
 WantedPoses wanted_poses(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates, Progress& progress) {
   constexpr std::uint64_t of_linear = 2000;
-  const bool free = options.poses == 0 && options.rig_budget == 0 && options.examples.empty();
+  // A budget has to leave room for the analysis besides.
+  const bool ample = options.rig_budget == 0 || options.rig_budget >= 5 * of_linear;
+  const bool free = options.poses == 0 && ample && options.examples.empty();
   if (!free || !recipe_evaluates || !is_linear(rig, options.seed, progress))
     return {poses_or_usual(options.poses, options.rig_budget)};
   progress.note(format("the rig is linear in its controls: %llu poses are sampled, as its shapes need no more",

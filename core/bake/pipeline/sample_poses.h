@@ -19,9 +19,9 @@ struct WantedPoses {
   bool linear = false;  // fewer than usual, as the rig was found to be
 };
 
-// How many poses to sample: BakeOptions::poses, or where that is 0, all of the rig budget; 2,000 of a rig that
-// is_linear finds linear, with a note, if the recipe analyses rigs itself and nothing says which poses matter, for of
-// such a rig more change nothing; otherwise 20,000.
+// How many poses to sample: BakeOptions::poses, or where that is 0, 2,000 of a rig that is_linear finds linear, with a
+// note, if the recipe analyses rigs itself, nothing says which poses matter, and a budget, if there is one, has 10,000
+// or more, for of such a rig more change nothing; otherwise all of the rig budget, or 20,000.
 WantedPoses wanted_poses(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates, Progress& progress);
 
 // How sample_poses samples a rig.

@@ -67,6 +67,8 @@ TEST_CASE("of a linear rig fewer poses are sampled, unless a number of them is a
   CHECK(wanted(evaluator, 0, 0, false) == 20000);
   CHECK(wanted(evaluator, 300, 0, true) == 300);
   CHECK(wanted(evaluator, 0, 500, true) == 500);
+  CHECK(wanted(evaluator, 0, 10000, true) == 2000);
+  CHECK(wanted(other, 0, 10000, true) == 10000);
   CHECK(wanted(other, 0, 0, true) == 20000);
   BakeOptions like;
   like.examples.assign(width, 0.5f);
