@@ -198,7 +198,7 @@ test("plays and scrubs a clip beside the face, with its error", async () => {
     return { shown: viewer.errors.max, truth: largest };
   });
   assert.ok(Math.abs(shown - truth) < 1e-6 * truth);
-  assert.match(await page.locator("#legend").textContent(), /worst .* D at vertex/);
+  assert.match(await page.locator("#legend").textContent(), /Worst vertex off by [\d.e-]+ mm \([\d.e-]+ D\) (at|in .*,) vertex/);
   await picture(page, "error");
   if (await page.evaluate(() => globalThis.facebakerViewer.viewer.truth.live)) {
     await page.evaluate(() => {

@@ -1,6 +1,6 @@
 import type { Viewer } from "../app/viewer";
 import { element } from "./dom";
-import { millimetresText } from "./number_text";
+import { lengthText } from "./number_text";
 
 const SVG = "http://www.w3.org/2000/svg";
 const TOP = 4; // of 100: the worst frame is not at the very edge
@@ -97,7 +97,7 @@ export class ErrorCurveView {
   }
 
   #length(error: number): string {
-    return millimetresText(error, this.viewer.first?.face.units ?? "");
+    return lengthText(error, this.viewer.first?.face.units ?? "");
   }
 
   #wordsOf(here: number): string {

@@ -1,11 +1,11 @@
 import type { Viewer } from "../app/viewer";
 import { gradientStops, partColour } from "../scene/colour_scale";
 import { byId, element } from "./dom";
-import { figure, inUnits, lengthText } from "./number_text";
+import { errorText, figure, lengthText } from "./number_text";
 
 const SCALES = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5];
 
-/** What the colours mean: a scale in the rig's unit and in fractions of the diagonal, or the names of regions. */
+/** What the colours mean: a scale in millimetres and in fractions of the diagonal, or the names of regions. */
 export function startLegend(viewer: Viewer): void {
   const legend = byId("legend");
   const title = element("h2");
@@ -45,7 +45,7 @@ export function startLegend(viewer: Viewer): void {
       return;
     }
     const ends = [0, 0.5, 1].map((share) => share * viewer.scaleEnd);
-    lengths.replaceChildren(...ends.map((end) => element("span", {}, inUnits(end, units))));
+    lengths.replaceChildren(...ends.map((end) => element("span", {}, lengthText(end, units))));
     fractions.replaceChildren(...ends.map((end) => element("span", {}, `${figure(end / diagonal)} D`)));
     title.textContent = { expected: "Expected error", error: "Error", difference: "Difference" }[mode as "error"];
     words.textContent = wordsOf(viewer, units, diagonal);
@@ -59,9 +59,14 @@ function wordsOf(viewer: Viewer, units: string, diagonal: number): string {
   const { mode, expected, errors } = viewer;
   if (mode === "expected" && expected) {
     const outside = expected.outside > 0 ? ` ${expected.outside} controls are outside of what was trained.` : "";
-    return `Root mean square ${lengthText(expected.face, units, diagonal)}.${outside}`;
+    return `Root mean square ${errorText(expected.face, units, diagonal)}.${outside}`;
   }
-  if (errors) return `Root mean square ${lengthText(errors.rms, units, diagonal)}, worst ${lengthText(errors.max, units, diagonal)} at vertex ${errors.worst}.`;
+  if (errors) {
+    const { names, ofVertex } = viewer.first!.face.regions;
+    const region = names[ofVertex[errors.worst] ?? -1];
+    const where = region === undefined ? `at vertex ${errors.worst}` : `in ${region}, vertex ${errors.worst}`;
+    return `Worst vertex off by ${errorText(errors.max, units, diagonal)} ${where}. Root mean square ${errorText(errors.rms, units, diagonal)}.`;
+  }
   if (viewer.truth?.live) return "The rig is being evaluated…";
   return viewer.player.clip?.reference
     ? "Reading the true positions; they are of the clip's own frames."

@@ -8,24 +8,17 @@ export function figure(value: number): string {
   return size < 1e-3 || size >= 1e5 ? value.toExponential(1) : String(Number(value.toPrecision(3)));
 }
 
-const MILLIMETRES: Record<string, number> = { m: 1000, dm: 100, cm: 10 };
+const MILLIMETRES: Record<string, number> = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4, inch: 25.4, ft: 304.8 };
 
-/** A length of the rig: in its unit, in millimetres too where that is a larger metric one, and as a fraction of the
- * diagonal D. */
-export function lengthText(length: number, units: string, diagonal: number): string {
+/** A length of the rig: in millimetres where they are known of its unit, else in the unit. */
+export function lengthText(length: number, units: string): string {
   const factor = MILLIMETRES[units];
-  const millimetres = factor === undefined ? "" : ` (${figure(length * factor)} mm)`;
-  return `${inUnits(length, units)}${millimetres} = ${figure(length / diagonal)} D`;
+  return factor === undefined ? `${figure(length)} ${units}` : `${figure(length * factor)} mm`;
 }
 
-/** In millimetres where the unit is metric, else in the unit. */
-export function millimetresText(length: number, units: string): string {
-  const factor = units === "mm" ? 1 : MILLIMETRES[units];
-  return factor === undefined ? inUnits(length, units) : `${figure(length * factor)} mm`;
-}
-
-export function inUnits(length: number, units: string): string {
-  return `${figure(length)} ${units}`;
+/** A length, and as a fraction of the diagonal D. */
+export function errorText(length: number, units: string, diagonal: number): string {
+  return `${lengthText(length, units)} (${figure(length / diagonal)} D)`;
 }
 
 export function bytesText(bytes: number): string {
