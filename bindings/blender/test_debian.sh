@@ -49,7 +49,8 @@ inside apt-get -q update
 inside apt-get -q install -y --no-install-recommends blender python3-numpy libgomp1 libstdc++6 python3-cattr python3-requests
 # What the tool and the viewer, if it is built, need besides, in this machine's version.
 for library in $(ldd "$build"/bin/facebaker "$build"/bin/facebaker-view 2> /dev/null | awk '$3 ~ "^/" && $1 !~ "^lib(c|m|gcc_s|stdc\\+\\+|gomp|facebaker.*)\\.so" { print $3 }'); do
-  cp -L "$library" "$root/usr/local/lib/"
+  # Its own come first: Blender needs the newer one where both are there.
+  inside ldconfig -p | grep -qF "$(basename "$library") " || cp -L "$library" "$root/usr/local/lib/"
 done
 inside ldconfig
 inside dpkg-query -W blender
