@@ -1,6 +1,7 @@
 #include "commands/bake_phases.h"
 
 #include <algorithm>
+
 namespace fb::tool {
 namespace {
 
