@@ -312,7 +312,8 @@ typedef struct fb_bake_desc {
   int32_t use;         /**< FB_USE_...; default FB_USE_BACKLOT */
   uint32_t epochs;     /**< passes over the training poses; 0 (default): the recipe's own */
   uint64_t poses; /**< sampled from a live source; 0 (default): 20,000, or all of rig_budget, or 2,000 of a source that
-                     is linear in its controls, as morph targets are, if the recipe analyses rigs */
+                     is linear in its controls, as morph targets are, if the recipe analyses rigs and rig_budget is 0
+                     or at least 10,000 */
   const char* mix;     /**< of those: "dense" (default) or "paper" */
   uint64_t rig_budget; /**< different poses asked for at most in order to learn, see fb_sample_desc; measuring besides
                           the rig's own clips takes what is left. 0 (default): no limit */
