@@ -36,10 +36,6 @@ cp -L "$katex/katex.min.js" "$katex/katex.min.css" "$work/pages/katex/"
 cp -L "$katex"/fonts/*.woff2 "$work/pages/katex/fonts/"
 (cd "$work" && mkdocs build --quiet --strict --site-dir site)
 docs/build_reference.sh "$work/site/reference"
-if [ -n "$packages" ]; then
-  mkdir "$work/site/downloads"
-  find "$packages" -maxdepth 1 \( -name '*.zip' -o -name '*.tar.gz' -o -name '*.deb' \) -exec cp {} "$work/site/downloads" \;
-fi
 [ -z "$viewer" ] || cp -r "$viewer" "$work/site/viewer"
 mkdir -p "$(dirname "$out")"
 rm -rf "$out.partial" && mv "$work/site" "$out.partial"

@@ -76,15 +76,18 @@ def named(entries: List[Any]) -> Set[str]:
     return found
 
 
-def downloads_page(intro: str, folder: pathlib.Path) -> str:
-    """The page of the files to download: what a reader wants first, then by name."""
+def add_downloads(intro: str, folder: pathlib.Path, pages: pathlib.Path) -> None:
+    """Copies the files of a folder to be downloaded, and writes their page: what a reader wants first, then by name."""
     order = [".zip", ".tar.gz", ".deb"]
     files = [path for path in folder.iterdir() if any(path.name.endswith(suffix) for suffix in order)]
     if not files:
         raise SystemExit(f"{folder}: there are no packages; packager/packages/build_debs.sh builds them")
     files.sort(key=lambda path: ([path.name.endswith(suffix) for suffix in order].index(True), path.name))
+    for path in files:
+        place(pages / "downloads" / path.name, path)
     rows = [f"| [{path.name}](../downloads/{path.name}) | {path.stat().st_size / 1e6:.1f} MB |" for path in files]
-    return "\n".join([intro.rstrip(), "", "| file | size |", "| --- | ---: |", *rows, ""])
+    page = "\n".join([intro.rstrip(), "", "| file | size |", "| --- | ---: |", *rows, ""])
+    (pages / "docs" / "downloads.md").write_text(page, encoding="utf-8")
 
 
 def main(arguments: List[str]) -> int:
@@ -101,8 +104,7 @@ def main(arguments: List[str]) -> int:
         place(pictures / to, own / name)
     if "--packages" in arguments:
         folder = pathlib.Path(arguments[arguments.index("--packages") + 1])
-        page = downloads_page((own / "downloads.md").read_text(encoding="utf-8"), folder)
-        (pictures / "docs" / "downloads.md").write_text(page, encoding="utf-8")
+        add_downloads((own / "downloads.md").read_text(encoding="utf-8"), folder, pictures)
     for name in ("site.css", "site.js", "icon.svg"):
         place(pictures / "docs" / "site" / name, own / name)
     for header in (root / "capi" / "include" / "facebaker").iterdir():
