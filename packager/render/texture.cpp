@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+
 #include "render/picture_file.h"
 #include "render/shading.h"
 

@@ -22,9 +22,8 @@ struct Texture {
   std::array<float, 4> at(float u, float v, TextureWrap wrap_u, TextureWrap wrap_v) const;
 };
 
-// Decodes a PNG or a JPEG, and halves it until it has at most `most_pixels` along each edge: a small picture of the
-// surface then shows means of its pixels. Nothing if it is of another kind, broken, or has more than 8192 along an
-// edge.
+// Decodes a file (read_picture_file), and halves the picture until it has at most `most_pixels` along each edge: a
+// small picture of the surface then shows means of its pixels.
 std::optional<Texture> decode_texture(std::span<const std::byte> file, int most_pixels);
 
 }  // namespace fb::tool

@@ -24,7 +24,7 @@ class WrapTest(unittest.TestCase):
 
     def test_where_it_is_broken(self):
         self.assertEqual(wrapped("off by 0.31 mm", 9, len), ["off by", "0.31 mm"])
-        self.assertEqual(wrapped("in /work/folder/face.fbk", 14, len), ["in", "/work/folder/", "face.fbk"])
+        self.assertEqual(wrapped("in /made/folder/face.fbk", 14, len), ["in", "/made/folder/", "face.fbk"])
         self.assertEqual(wrapped("abcdefgh", 3, len), ["abc", "def", "gh"])
 
 

@@ -15,7 +15,7 @@ struct OtherFile {
 
 constexpr OtherFile other_files[] = {
     {".blend ", "a scene of Blender, whose add-on bakes it: facebaker bake FILE --with-blender --out FACE.fbk"},
-    {".fbx .usd .usda .usdc .usdz ",
+    {".fbx .dae .usd .usda .usdc .usdz ",
      "Blender imports it, and the add-on bakes that: facebaker bake FILE --with-blender --out FACE.fbk"},
     {".ma .mb ",
      "a scene of Maya, which evaluates planned poses by samples/exporters/maya_exporter.py: facebaker plan, then bake "

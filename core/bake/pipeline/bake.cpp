@@ -251,8 +251,10 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   if (!checked) check_rig_unchanged(evaluator, options.seed, options.work, progress);
   if (recipe.evaluates_rig) compose_rig(evaluator, options, progress);
   WantedPoses wanted;
-  if (source.live()) wanted = wanted_poses(evaluator, options, recipe.evaluates_rig, progress);
-  options.poses = wanted.count;
+  if (source.live()) {
+    wanted = wanted_poses(evaluator, options, recipe.evaluates_rig, progress);
+    options.poses = wanted.count;
+  }
   const BakeOptions sampling = with_budget_left(options, evaluator, 1);
   if (!options.exact.empty()) make_folder(options.work);
   const std::vector<ExactFrame> exact = read_exact_frames(evaluator, options.exact, progress);
