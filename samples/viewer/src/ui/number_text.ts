@@ -1,5 +1,7 @@
 /** Numbers for people. */
 
+import { metresPerUnit } from "facebaker";
+
 /** Three significant digits, in powers of ten where it is small or large. */
 export function figure(value: number): string {
   if (!Number.isFinite(value)) return "–";
@@ -8,12 +10,10 @@ export function figure(value: number): string {
   return size < 1e-3 || size >= 1e5 ? value.toExponential(1) : String(Number(value.toPrecision(3)));
 }
 
-const MILLIMETRES: Record<string, number> = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4, inch: 25.4, ft: 304.8 };
-
 /** A length of the rig: in millimetres where they are known of its unit, else in the unit. */
 export function lengthText(length: number, units: string): string {
-  const factor = MILLIMETRES[units];
-  return factor === undefined ? `${figure(length)} ${units}` : `${figure(length * factor)} mm`;
+  const metres = metresPerUnit(units);
+  return metres === null ? `${figure(length)} ${units}` : `${figure(1000 * metres * length)} mm`;
 }
 
 /** A length, and as a fraction of the diagonal D. */
