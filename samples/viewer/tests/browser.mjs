@@ -2,6 +2,7 @@
 import { spawn } from "node:child_process";
 import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import { after } from "node:test";
 import { chromium } from "playwright-core";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -46,6 +47,16 @@ export async function view(...arguments_) {
   process.once("exit", () => child.kill("SIGKILL")); // where a test leaves it running
   const ended = new Promise((resolve) => child.once("exit", resolve));
   return { address, stop: () => (child.kill("SIGINT"), ended) };
+}
+
+/** Chromium and `facebaker view` with these arguments, until all tests of the file have run. */
+export async function start(...arguments_) {
+  const [browser, server] = await Promise.all([launch(), view(...arguments_)]);
+  after(async () => {
+    await browser.close();
+    await server.stop();
+  });
+  return { browser, server };
 }
 
 /** A page of that size, in which `script` runs first; whatever it logs as an error ends up in `errors`. */

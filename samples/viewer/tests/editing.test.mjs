@@ -1,16 +1,9 @@
 // Edits of the pose: undo, random poses. Run by test.sh.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { launch, openPage, settings, settle, view } from "./browser.mjs";
+import { test } from "node:test";
+import { openPage, settings, settle, start } from "./browser.mjs";
 
-let browser, server;
-before(async () => {
-  [browser, server] = await Promise.all([launch(), view(settings.face)]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const { browser, server } = await start(settings.face);
 
 const values = (page) => page.evaluate(() => [...globalThis.facebakerViewer.viewer.pose.values]);
 const rest = (page) => page.evaluate(() => [...globalThis.facebakerViewer.viewer.pose.rest]);

@@ -2,17 +2,10 @@
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { readFileSync } from "node:fs";
-import { after, before, test } from "node:test";
-import { launch, openPage, picture, settings, settle, view, violations } from "./browser.mjs";
+import { test } from "node:test";
+import { openPage, picture, settings, settle, start, view, violations } from "./browser.mjs";
 
-let browser, server;
-before(async () => {
-  [browser, server] = await Promise.all([launch(), view(settings.face)]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const { browser, server } = await start(settings.face);
 
 const values = (page) => page.evaluate(() => [...globalThis.facebakerViewer.viewer.pose.values]);
 const randomise = (page) => page.keyboard.press("x");

@@ -1,16 +1,9 @@
 // Clips over time: playing them, and their errors as a curve. Run by test.sh.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { launch, openPage, picture, settings, settle, view, violations } from "./browser.mjs";
+import { test } from "node:test";
+import { openPage, picture, settings, settle, start, violations } from "./browser.mjs";
 
-let browser, server;
-before(async () => {
-  [browser, server] = await Promise.all([launch(), view(settings.face, "--beside", settings.source)]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const { browser, server } = await start(settings.face, "--beside", settings.source);
 
 const player = (page) => page.evaluate(() => {
   const { frame, playing, loop, speed, clip } = globalThis.facebakerViewer.viewer.player;

@@ -1,17 +1,10 @@
 // What the viewer says while there is no picture. Run by test.sh.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { after, before, test } from "node:test";
-import { launch, openPage, picture, settings, settle, shareOf, view, violations } from "./browser.mjs";
+import { test } from "node:test";
+import { openPage, picture, settings, settle, shareOf, start, view, violations } from "./browser.mjs";
 
-let browser, server;
-before(async () => {
-  [browser, server] = await Promise.all([launch(), view(settings.face)]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const { browser, server } = await start(settings.face);
 
 const archive = (name, buffer) => ({ name, mimeType: "", buffer });
 

@@ -1,16 +1,9 @@
 // The true rig beside the face, and the scale of errors. Run by test.sh.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { launch, openPage, picture, settings, settle, view, violations } from "./browser.mjs";
+import { test } from "node:test";
+import { openPage, picture, settings, settle, start, violations } from "./browser.mjs";
 
-let browser, server;
-before(async () => {
-  [browser, server] = await Promise.all([launch(), view(settings.jaw, "--beside", settings.jawSource, "--joints", "controls")]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const { browser, server } = await start(settings.jaw, "--beside", settings.jawSource, "--joints", "controls");
 
 const toggle = (page) => page.getByRole("button", { name: "True rig beside" });
 

@@ -2,20 +2,13 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
-import { after, before, test } from "node:test";
-import { launch, openPage, picture, settings, settle, shareOf, view, violations } from "./browser.mjs";
+import { test } from "node:test";
+import { openPage, picture, settings, settle, shareOf, start, view, violations } from "./browser.mjs";
 
 const SLOWEST_FACE = 1000; // milliseconds
 const POSES = 256;
 
-let browser, server;
-before(async () => {
-  [browser, server] = await Promise.all([launch(), view(settings.face, "--beside", settings.source)]);
-});
-after(async () => {
-  await browser?.close();
-  await server?.stop();
-});
+const { browser, server } = await start(settings.face, "--beside", settings.source);
 
 const controlsOf = (page) => page.evaluate(() => [...globalThis.facebakerViewer.viewer.pose.values]);
 const mode = (page, name) => page.getByRole("radio", { name, exact: true }).click();
