@@ -8,20 +8,13 @@ from typing import Any, List, Set, Tuple
 import bpy
 
 from .control_rows import UNGROUPED, grouped_controls, opened_groups, opened_text, shown_controls
-from .window_text import draw_text
+from .window_text import TickedRows, draw_text
 
 ROWS = 7  # of an unfolded group, before its list scrolls
 
 
-class FACEBAKER_UL_controls(bpy.types.UIList):
+class FACEBAKER_UL_controls(TickedRows, bpy.types.UIList):
     """The controls of one group, which is the list's name; those that are searched for."""
-
-    def draw_item(
-        self, _context: Any, layout: Any, _data: Any, item: Any, _icon: Any, _active_data: Any, _active: Any, _index: Any
-    ) -> None:
-        row = layout.row(align=True)
-        row.prop(item, "use", text="")
-        row.label(text=item.name)
 
     def filter_items(self, _context: Any, data: Any, _name: str) -> Tuple[List[int], List[int]]:
         group, name = _group_of(self.list_id), self.filter_name.lower()

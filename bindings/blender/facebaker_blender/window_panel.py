@@ -11,20 +11,13 @@ from .bake_result import result_lines, warnings_of
 from .window_controls import draw_controls
 from .window_errors import draw_problem, problem_of
 from .window_jobs import job_of, start_watching, viewer
-from .window_text import draw_properties, draw_text
+from .window_text import TickedRows, draw_properties, draw_text
 
 _INTERRUPTED = "interrupted"  # as the tool begins what it says after Stop
 
 
-class FACEBAKER_UL_shots(bpy.types.UIList):
+class FACEBAKER_UL_shots(TickedRows, bpy.types.UIList):
     """Actions; what the selected one is for is shown below."""
-
-    def draw_item(
-        self, _context: Any, layout: Any, _data: Any, item: Any, _icon: Any, _active_data: Any, _active: Any, _index: Any
-    ) -> None:
-        row = layout.row(align=True)
-        row.prop(item, "use", text="")
-        row.label(text=item.name)
 
 
 class _SidebarPanel:

@@ -20,6 +20,17 @@ _ICON = 20
 _NAME_SHARE = 0.4  # of a row that Blender splits into name and value
 
 
+class TickedRows:
+    """Of a list in the panel: a tick and a name in each row."""
+
+    def draw_item(
+        self, _context: Any, layout: Any, _data: Any, item: Any, _icon: Any, _active_data: Any, _active: Any, _index: Any
+    ) -> None:
+        row = layout.row(align=True)
+        row.prop(item, "use", text="")
+        row.label(text=item.name)
+
+
 def row_width(context: Any) -> float:
     """The width of a row of a panel, in pixels at scale 1."""
     region = getattr(context, "region", None)
