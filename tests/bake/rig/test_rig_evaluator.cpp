@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -387,7 +388,7 @@ TEST_CASE("a pose that takes longer to keep than to evaluate is evaluated again"
       MemorySource::evaluate(controls, count, points);
       evaluated += count;
     }
-    std::size_t evaluated = 0;
+    std::atomic<std::size_t> evaluated = 0;
   };
   const Folder folder;
   LargeRig rig;
