@@ -1,46 +1,67 @@
 #include "runtime/polygon_graph.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "base/checked.h"
 
 namespace fb::runtime {
 
 void PolygonSums::build(const CsrTable<std::uint32_t>& at_vertex) {
+  constexpr std::uint32_t together = FurtherPolygons::vertices;
+  constexpr std::size_t first_polygons = std::size(FirstPolygons().offset);
   vertices_ = static_cast<std::uint32_t>(at_vertex.row_offsets.size() - 1);
-  first_.resize(vertices_ + 7);
-  std::size_t extra = 1;
-  for (std::uint32_t v = 0; v < vertices_; ++v) extra += std::max<std::size_t>(at_vertex.row(v).size(), 4) - 4;
-  extra_.reserve(extra);
-  extra_begin_.reserve((vertices_ + PolygonGraph::batch - 1) / PolygonGraph::batch);
-  for (std::uint32_t v = 0; v < vertices_; ++v) {
-    if (v % PolygonGraph::batch == 0)
-      extra_begin_.push_back(checked_u32(extra_.size(), "the polygons around the vertices of the mesh"));
-    const std::span<const std::uint32_t> around = at_vertex.row(v);
-    for (std::size_t k = 0; k < around.size(); ++k) {
-      const std::uint32_t offset = checked_u32(4 * (std::size_t(around[k]) + 1), "the polygons of the mesh");
-      if (k < 4)
-        first_[v].offset[k] = offset;
-      else
-        extra_.push_back({v, offset});
+  const auto offset = [](std::uint32_t polygon) {
+    return checked_u32(no_polygon_floats + 4 * std::size_t(polygon), "the polygons of the mesh");
+  };
+  // Of the eight vertices from `vertex` on.
+  const auto visit_further = [&](std::uint32_t vertex, const auto& visit) {
+    for (std::uint32_t k = 0; k < together && vertex + k < vertices_; ++k) {
+      const std::span<const std::uint32_t> around = at_vertex.row(vertex + k);
+      for (std::size_t i = first_polygons; i < around.size(); ++i) visit(k, i - first_polygons, around[i]);
     }
+  };
+  first_.resize(vertices_ + together - 1);
+  for (std::uint32_t v = 0; v < vertices_; ++v) {
+    const std::span<const std::uint32_t> around = at_vertex.row(v);
+    for (std::size_t k = 0; k < std::min(around.size(), first_polygons); ++k) first_[v].offset[k] = offset(around[k]);
   }
-  extra_.push_back({UINT32_MAX, 0});
+  further_begin_.reserve((vertices_ + together - 1) / together + 1);
+  std::size_t further = 0;
+  const auto begin = [&] {
+    further_begin_.push_back(checked_u32(further, "the polygons around the vertices of the mesh"));
+  };
+  for (std::uint32_t v = 0; v < vertices_; v += together) {
+    begin();
+    std::size_t most = 0;
+    visit_further(v, [&](std::uint32_t, std::size_t number, std::uint32_t) { most = std::max(most, number + 1); });
+    further += most;
+  }
+  begin();
+  FurtherPolygons none;
+  std::fill_n(none.offset, together, 4u);
+  further_.resize(further, none);
+  for (std::uint32_t v = 0; v < vertices_; v += together)
+    visit_further(v, [&](std::uint32_t vertex, std::size_t number, std::uint32_t polygon) {
+      further_[further_begin_[v / together] + number].offset[vertex] = offset(polygon);
+    });
 }
 
 PolygonsAround PolygonSums::around(std::size_t begin, std::size_t end) const {
   const auto first = static_cast<std::uint32_t>(begin * PolygonGraph::batch);
   const auto last = static_cast<std::uint32_t>(std::min<std::size_t>(end * PolygonGraph::batch, vertices_));
-  return {first, last, first_.data(), extra_.data() + extra_begin_[begin]};
+  return {first, last, first_.data(), further_.data(), further_begin_.data()};
 }
 
 PolygonGraph::State::State(std::size_t vertices, std::size_t blocks, std::size_t polygons,
                            std::pmr::memory_resource& memory)
-    : vectors(4 * (polygons + 1), &memory),
+    : vectors(no_polygon_floats + 4 * polygons, &memory),
       results(3 * vertices + 25, &memory),
       moved_(blocks, &memory),
       chunk_marks_((polygons + chunk - 1) / chunk, &memory),
-      batch_marks_((vertices + batch - 1) / batch, &memory) {}
+      batch_marks_((vertices + batch - 1) / batch, &memory) {
+  std::fill_n(vectors.begin() + no_polygon_floats / 2, no_polygon_floats / 2, -0.0f);
+}
 
 PolygonGraph::PolygonGraph(const Mesh& mesh, std::span<const std::uint32_t> baked_index,
                            std::span<const std::uint32_t> block_rows, std::pmr::memory_resource& memory,

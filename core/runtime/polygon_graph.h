@@ -17,7 +17,8 @@ namespace fb::runtime {
 // The polygons around each vertex of the surface, in the order in which their vectors are added.
 class PolygonSums {
  public:
-  explicit PolygonSums(std::pmr::memory_resource& memory) : first_(&memory), extra_(&memory), extra_begin_(&memory) {}
+  explicit PolygonSums(std::pmr::memory_resource& memory)
+      : first_(&memory), further_(&memory), further_begin_(&memory) {}
 
   // at_vertex: by vertex, its polygons.
   void build(const CsrTable<std::uint32_t>& at_vertex);
@@ -28,8 +29,8 @@ class PolygonSums {
  private:
   std::uint32_t vertices_ = 0;
   std::pmr::vector<FirstPolygons> first_;
-  std::pmr::vector<ExtraPolygon> extra_;
-  std::pmr::vector<std::uint32_t> extra_begin_;  // by batch: its first in extra_
+  std::pmr::vector<FurtherPolygons> further_;
+  std::pmr::vector<std::uint32_t> further_begin_;
 };
 
 // Which vectors of polygons and of vertices change with the rows of which row blocks. Polygons are in chunks and
@@ -42,7 +43,7 @@ class PolygonGraph {
   // row blocks and polygons().
   struct State {
     State(std::size_t vertices, std::size_t blocks, std::size_t polygons, std::pmr::memory_resource& memory);
-    std::pmr::vector<float> vectors;  // four zeros, then four floats a polygon
+    std::pmr::vector<float> vectors;  // no_polygon_floats, then four floats a polygon
     std::pmr::vector<float> results;  // 3 floats a vertex of the surface, readable 25 floats beyond
 
    private:

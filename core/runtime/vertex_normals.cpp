@@ -58,7 +58,7 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> ba
 
 void VertexNormals::run(const PoseKernels& kernels, const float* rows, std::span<const std::uint8_t> moved,
                         PolygonGraph::State& state) const {
-  float* const areas = state.vectors.data() + 4;  // behind the null vector
+  float* const areas = state.vectors.data() + no_polygon_floats;
   const auto compute_areas = [&](std::size_t begin, std::size_t end) {
     kernels.quad_areas(quads_.data() + begin, end - begin, rows, scale_, areas + 4 * begin);
     const auto first = std::lower_bound(fan_quads_.begin(), fan_quads_.end(), begin,

@@ -50,7 +50,7 @@ VertexTangents::VertexTangents(const Mesh& mesh, std::span<const std::uint32_t> 
 void VertexTangents::run(const PoseKernels& kernels, const float* rows, std::span<const std::uint8_t> moved,
                          const VertexNormals& of_normals, const float* normals, PolygonGraph::State& state) const {
   const std::span<const Quad> quads = of_normals.quads();
-  float* const integrals = state.vectors.data() + 4;  // behind the null vector
+  float* const integrals = state.vectors.data() + no_polygon_floats;
   const auto compute_integrals = [&](std::size_t begin, std::size_t end) {
     kernels.quad_integrals(quads.data() + begin, weights_.data() + begin, end - begin, rows, integrals + 4 * begin);
     const auto first = std::lower_bound(extra_corners_.begin(), extra_corners_.end(), begin,

@@ -92,17 +92,23 @@ struct FirstPolygons {
   std::uint32_t offset[4];
 };
 
-// Any further polygon at a vertex.
-struct ExtraPolygon {
-  std::uint32_t vertex, offset;
+// A further polygon of each of eight vertices; 4, where there is a vector of -0, which changes no sum, for those that
+// have fewer.
+struct FurtherPolygons {
+  static constexpr std::uint32_t vertices = 8;
+  std::uint32_t offset[vertices];
 };
 
-// The polygons around vertices begin..end - 1.
+// The polygons around vertices begin..end - 1, of which `begin` is a multiple of eight.
 struct PolygonsAround {
   std::uint32_t begin, end;
-  const FirstPolygons* first;  // by vertex, from 0; readable seven beyond the last
-  const ExtraPolygon* extra;   // in the order of vertices, from `begin`; the last is of no vertex: UINT32_MAX
+  const FirstPolygons* first;          // by vertex, from 0; readable seven beyond the last
+  const FurtherPolygons* further;      // of all vertices
+  const std::uint32_t* further_begin;  // by eight vertices from 0, and one more: their first in `further`
 };
+
+// Floats before the vectors of polygons: a null vector, and one of -0.
+inline constexpr std::size_t no_polygon_floats = 8;
 
 // How a joint that vertices follow moved: four columns of three numbers and a zero, which are added to the axes and the
 // origin of space.

@@ -82,7 +82,6 @@ void quad_integrals(const Quad* quads, const QuadWeights* weights, std::size_t c
 template <class Finish>
 [[gnu::always_inline]] inline void for_vertices(const PolygonsAround& around, const float* vectors, float* results,
                                                 const Finish& finish) {
-  const ExtraPolygon* extra = around.extra;
   constexpr auto second = static_cast<std::uint32_t>(lanes - 4);
   for (std::uint32_t vertex = around.begin; vertex < around.end; vertex += lanes) {
     const FirstPolygons* const of = around.first + vertex;
@@ -93,14 +92,14 @@ template <class Finish>
         load(polygon[i], vectors + of[k].offset[i], vectors + of[k + second].offset[i]);
       sum[k] = ((polygon[0] + polygon[1]) + polygon[2]) + polygon[3];
     }
-    if (extra->vertex < vertex + lanes) {
-      float sums[4][lanes];  // as in the vectors
-      __builtin_memcpy(sums, sum, sizeof sums);
-      for (; extra->vertex < vertex + lanes; ++extra) {
-        const std::uint32_t within = extra->vertex - vertex;
-        for (std::size_t i = 0; i < 4; ++i) sums[within % 4][within / 4 * 4 + i] += vectors[extra->offset + i];
+    const std::uint32_t* const further = around.further_begin + vertex / FurtherPolygons::vertices;
+    for (std::uint32_t f = further[0]; f < further[1]; ++f) {
+      const std::uint32_t* const offset = around.further[f].offset + vertex % FurtherPolygons::vertices;
+      for (std::size_t k = 0; k < 4; ++k) {
+        Floats polygon;
+        load(polygon, vectors + offset[k], vectors + offset[k + second]);
+        sum[k] += polygon;
       }
-      __builtin_memcpy(sum, sums, sizeof sums);
     }
     Floats a, b, c;
     split_axes(sum, a, b, c);
