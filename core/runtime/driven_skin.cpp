@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "model/joint_rotation.h"
 
@@ -86,7 +87,15 @@ Change change_of(const float* matrix) {
 
 DrivenSkin::DrivenSkin(const PackedModel& model, std::span<const std::uint32_t> baked_index,
                        std::pmr::memory_resource& memory, std::pmr::memory_resource& heap)
-    : joints_(&memory), scales_(&memory), outer_(&memory), influences_(memory), block_joints_(memory) {
+    : joints_(&memory),
+      scales_(&memory),
+      outer_(&memory),
+      influences_(memory),
+      blocks_(&memory),
+      block_joints_(memory),
+      groups_(memory),
+      others_(memory),
+      weights_(&memory) {
   const DrivenJoints& driven = model.rest.driven;
   if (driven.empty()) return;
   first_row_ = model.rest.first_joint_coordinate();
@@ -110,19 +119,80 @@ DrivenSkin::DrivenSkin(const PackedModel& model, std::span<const std::uint32_t> 
                      {joint_matrix_floats * std::uint32_t{skin.joints[i]}, skin.weights[i]});
   }
   influences.build(influences_);
-  CsrBuilder<std::uint32_t> of_blocks(model.row_blocks.size(), 0, heap);
+  find_blocks(model, heap);
+  find_groups(heap);
+}
+
+void DrivenSkin::find_blocks(const PackedModel& model, std::pmr::memory_resource& heap) {
+  const auto vertices = static_cast<std::uint32_t>(model.rest.surface_vertex_count());
+  const auto range_of = [&](const PackedRowBlock& block) {
+    return vertices_of_rows(block.first_row, block.row_count, vertices);
+  };
+  const auto follows = [&](const PackedRowBlock& block) {
+    const VertexRange range = range_of(block);
+    return range.begin < range.end && influences_.row_offsets[range.begin] < influences_.row_offsets[range.end];
+  };
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(model.row_blocks, follows));
+  blocks_.reserve(count);
+  CsrBuilder<std::uint32_t> joints(count, 0, heap);
   std::pmr::vector<std::uint32_t> last_block(joints_.size(), UINT32_MAX, &heap);
-  for (std::uint32_t b = 0; b < model.row_blocks.size(); ++b) {
-    const PackedRowBlock& block = model.row_blocks[b];
-    const std::uint32_t end = std::min((block.first_row + block.row_count + 2) / 3, vertices);
-    for (std::uint32_t v = block.first_row / 3; v < end; ++v)
+  for (std::uint32_t number = 0; number < model.row_blocks.size(); ++number) {
+    if (!follows(model.row_blocks[number])) continue;
+    const auto b = static_cast<std::uint32_t>(blocks_.size());
+    blocks_.push_back({number, range_of(model.row_blocks[number])});
+    for (std::uint32_t v = blocks_[b].vertices.begin; v < blocks_[b].vertices.end; ++v)
       for (const JointInfluence& influence : influences_.row(v)) {
         const std::uint32_t joint = influence.offset / joint_matrix_floats;
-        if (last_block[joint] != b) of_blocks.add(b, joint);
+        if (last_block[joint] != b) joints.add(b, joint);
         last_block[joint] = b;
       }
   }
-  of_blocks.build(block_joints_);
+  joints.build(block_joints_);
+}
+
+// Makes a group of the vertices from `vertex` on and appends its weights. Returns false, appending none, if they follow
+// too many joints, or in different orders.
+bool DrivenSkin::find_group(std::uint32_t vertex, SkinGroup& group, std::pmr::vector<float>& weights) const {
+  group = {3 * vertex, 0, {}, static_cast<std::uint32_t>(weights.size())};
+  const auto end_of = [&] { return group.offset + group.joints; };
+  for (std::uint32_t v = vertex; v < vertex + SkinGroup::vertices; ++v)
+    for (const JointInfluence& influence : influences_.row(v)) {
+      if (std::find(group.offset, end_of(), influence.offset) != end_of()) continue;
+      if (group.joints == SkinGroup::most_joints) return false;
+      group.offset[group.joints++] = influence.offset;
+    }
+  float of_joints[SkinGroup::most_joints][SkinGroup::vertices] = {};
+  for (std::uint32_t v = vertex; v < vertex + SkinGroup::vertices; ++v) {
+    const std::uint32_t* last = group.offset;
+    for (const JointInfluence& influence : influences_.row(v)) {
+      const std::uint32_t* const at = std::find(group.offset, end_of(), influence.offset);
+      if (at < last) return false;
+      last = at;
+      of_joints[at - group.offset][v - vertex] = influence.weight;
+    }
+  }
+  for (std::uint32_t j = 0; j < group.joints; ++j)
+    weights.insert(weights.end(), of_joints[j], of_joints[j] + SkinGroup::vertices);
+  return true;
+}
+
+void DrivenSkin::find_groups(std::pmr::memory_resource& heap) {
+  CsrBuilder<SkinGroup> groups(blocks_.size(), 0, heap);
+  CsrBuilder<VertexRange> others(blocks_.size(), 0, heap);
+  std::pmr::vector<float> weights(&heap);
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (std::uint32_t v = blocks_[b].vertices.begin, end = v; v < blocks_[b].vertices.end; v = end) {
+      end = std::min(v + SkinGroup::vertices, blocks_[b].vertices.end);
+      SkinGroup group;
+      if (influences_.row_offsets[v] == influences_.row_offsets[end]) continue;
+      if (end - v == SkinGroup::vertices && find_group(v, group, weights))
+        groups.add(b, group);
+      else
+        others.add(b, {v, end});
+    }
+  groups.build(groups_);
+  others.build(others_);
+  weights_.assign(weights.begin(), weights.end());
 }
 
 // `rows`: those of its numbers. parent: the matrix of a parent that moved, or null.
@@ -181,15 +251,27 @@ void DrivenSkin::find_matrices(const float* rows, State& state) const {
       std::fill_n(matrix, joint_matrix_floats, 0.0f);
     state.moved[j] = !still || below;
   }
+  state.finite = std::ranges::all_of(state.matrices, [](const JointMatrix& matrix) {
+    return std::ranges::all_of(matrix.numbers, [](float number) { return std::isfinite(number); });
+  });
 }
 
-bool DrivenSkin::run(const PoseKernels& kernels, std::size_t block, VertexRange range, const State& state,
+bool DrivenSkin::run(const PoseKernels& kernels, std::size_t block, std::uint32_t end, const State& state,
                      float* rows) const {
+  const VertexRange range = blocks_[block].vertices;
   const auto joints = block_joints_.row(block);
-  if (std::none_of(joints.begin(), joints.end(), [&](std::uint32_t joint) { return state.moved[joint] != 0; }))
+  if (range.begin >= end || std::ranges::none_of(joints, [&](std::uint32_t joint) { return state.moved[joint] != 0; }))
     return false;
-  kernels.skin_vertices({influences_.row_offsets.data(), influences_.entries.data()}, range.begin, range.end,
-                        state.matrices.data()->numbers, rows);
+  const SkinTable table = {influences_.row_offsets.data(), influences_.entries.data()};
+  const float* const matrices = state.matrices.data()->numbers;
+  if (!state.finite) {  // a weight of 0 would not leave them out
+    kernels.skin_vertices(table, range.begin, range.end, matrices, rows);
+    return true;
+  }
+  const std::span<const SkinGroup> groups = groups_.row(block);
+  kernels.skin_groups(groups.data(), groups.size(), weights_.data(), matrices, rows);
+  for (const VertexRange& other : others_.row(block))
+    kernels.skin_vertices(table, other.begin, other.end, matrices, rows);
   return true;
 }
 

@@ -27,19 +27,27 @@ class DrivenSkin {
 
     std::pmr::vector<JointMatrix> matrices;  // by joint; 0 for those that did not move
     std::pmr::vector<std::uint8_t> moved;
+    bool finite = true;  // all numbers of matrices
   };
 
   // baked_index: see VertexWriter.
   DrivenSkin(const PackedModel& model, std::span<const std::uint32_t> baked_index, std::pmr::memory_resource& memory,
              std::pmr::memory_resource& heap);
 
+  // A row block with vertices that follow joints.
+  struct Block {
+    std::uint32_t number;
+    VertexRange vertices;
+  };
+
   bool empty() const { return joints_.empty(); }
+  std::span<const Block> blocks() const { return blocks_; }
   std::size_t joint_count() const { return joints_.size(); }
   // Finds how joints moved. `rows`: of a pose, which the numbers of joints are the last of.
   void find_matrices(const float* rows, State& state) const;
-  // Moves vertices `range` of baked order, all of row block `block`.
-  // Returns whether any joint moved that vertices of the block follow.
-  bool run(const PoseKernels& kernels, std::size_t block, VertexRange range, const State& state, float* rows) const;
+  // Moves the vertices of blocks()[block] below `end`, and maybe others of the block. Returns whether any joint moved
+  // that they follow.
+  bool run(const PoseKernels& kernels, std::size_t block, std::uint32_t end, const State& state, float* rows) const;
   // frame_floats a joint.
   void write_frames(const State& state, float* frames) const;
 
@@ -52,13 +60,20 @@ class DrivenSkin {
   };
 
   void find_matrix(const Joint& joint, const float* rows, const float* parent, float* matrix) const;
+  void find_blocks(const PackedModel& model, std::pmr::memory_resource& heap);
+  void find_groups(std::pmr::memory_resource& heap);
+  bool find_group(std::uint32_t vertex, SkinGroup& group, std::pmr::vector<float>& weights) const;
 
   std::pmr::vector<Joint> joints_;
   std::pmr::vector<float> scales_;        // of all numbers
   std::pmr::vector<std::uint8_t> outer_;  // of all joints: which numbers an outer rotation has
   std::size_t first_row_ = 0;             // of all numbers
   CsrTable<JointInfluence> influences_;   // by vertex, in baked order
-  CsrTable<std::uint32_t> block_joints_;  // by row block: the joints that its vertices follow
+  std::pmr::vector<Block> blocks_;
+  CsrTable<std::uint32_t> block_joints_;  // by block: the joints that its vertices follow
+  CsrTable<SkinGroup> groups_;            // by block: of its vertices
+  CsrTable<VertexRange> others_;          // by block: its vertices in no group that follow a joint
+  std::pmr::vector<float> weights_;       // of groups
 };
 
 }  // namespace fb::runtime

@@ -20,6 +20,12 @@ struct VertexRange {
   std::uint32_t begin, end;
 };
 
+// The vertices of a row block below `end`, which may be none: a vertex belongs to the block that its first row is in.
+inline VertexRange vertices_of_rows(std::uint32_t first_row, std::uint32_t row_count, std::uint32_t end) {
+  const std::uint32_t last = (first_row + row_count + 2) / 3;
+  return {(first_row + 2) / 3, last < end ? last : end};
+}
+
 struct MeshLayout {
   // A face that names no meshes is one.
   MeshLayout(const PackedModel& model, std::pmr::memory_resource& memory, std::pmr::memory_resource& heap);

@@ -304,14 +304,10 @@ void PoseExecution::write_outputs(std::size_t pose, const float* rows, const Pos
 void PoseExecution::skin(std::size_t pose, float* rows) {
   const std::uint32_t end = level_only_ && detail_.level ? detail_.level->vertices : layout_.meshes.surface().end;
   std::uint8_t* const moved = workspace_.moved_.data() + pose * layout_.row_blocks.size();
-  for (std::size_t b = 0; b < layout_.surface_blocks(); ++b) {
-    const std::uint32_t mesh = layout_.meshes.row_block_meshes[b];
-    if (!meshes_.empty() && !meshes_[mesh]) continue;
-    // A vertex belongs to the block that its first row is in.
-    const RowBlockMatrix& block = layout_.row_blocks[b];
-    const std::uint32_t last = (block.first_row() + block.row_count() + 2) / 3;
-    const VertexRange range = {(block.first_row() + 2) / 3, std::min(last, end)};
-    if (range.begin >= range.end || !layout_.skin.run(layout_.kernels, b, range, workspace_.skin_, rows)) continue;
+  for (std::size_t i = 0; i < layout_.skin.blocks().size(); ++i) {
+    const std::uint32_t b = layout_.skin.blocks()[i].number;
+    if (!meshes_.empty() && !meshes_[layout_.meshes.row_block_meshes[b]]) continue;
+    if (!layout_.skin.run(layout_.kernels, i, end, workspace_.skin_, rows)) continue;
     moved[b] = 1;
     if (!layout_.blocks_of_vertices && b + 1 < layout_.surface_blocks()) moved[b + 1] = 1;
   }

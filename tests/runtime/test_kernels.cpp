@@ -235,6 +235,41 @@ TEST_CASE("kernels quantise a block of poses as single poses") {
     }
 }
 
+TEST_CASE("kernels move groups of vertices by joints as single vertices") {
+  constexpr std::uint32_t joints = 6, vertices = SkinGroup::vertices;
+  Random random(3);
+  std::vector<JointMatrix> matrices(joints);
+  for (std::size_t j = 1; j < joints; ++j)  // the first did not move
+    for (std::size_t i = 0; i < joint_matrix_floats; ++i)
+      matrices[j].numbers[i] = i % 4 < 3 ? random.uniform(-1, 1) : 0;
+  for (std::uint32_t round = 0; round < 40; ++round) {
+    SkinGroup group{9, round % SkinGroup::most_joints + 1, {}, 8};
+    std::vector<float> weights(8 + SkinGroup::most_joints * vertices);
+    std::vector<std::uint32_t> first = {0, 0, 0, 0};  // three vertices before the group
+    std::vector<JointInfluence> influences;
+    for (std::uint32_t j = 0; j < group.joints; ++j) group.offset[j] = joint_matrix_floats * ((round + 5 * j) % joints);
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+      for (std::uint32_t j = 0; j < group.joints; ++j) {
+        if (random.below(3) == 0) continue;
+        weights[8 + j * vertices + v] = random.uniform(0, 1);
+        influences.push_back({group.offset[j], weights[8 + j * vertices + v]});
+      }
+      first.push_back(static_cast<std::uint32_t>(influences.size()));
+    }
+    std::vector<float> rows(9 + 3 * vertices + 4);
+    for (float& row : rows) row = random.below(4) == 0 ? -0.0f : random.uniform(-9, 9);
+    std::vector<float> expected = rows;
+    scalar_kernels.skin_vertices({first.data(), influences.data()}, 3, 3 + vertices, matrices[0].numbers,
+                                 expected.data());
+    for (const PoseKernels* kernels : runnable_kernels()) {
+      std::vector<float> found = rows;
+      kernels->skin_groups(&group, 1, weights.data(), matrices[0].numbers, found.data());
+      CHECK_MESSAGE(std::memcmp(found.data(), expected.data(), found.size() * sizeof(float)) == 0,
+                    kernels->name << ": " << group.joints << " joints");
+    }
+  }
+}
+
 TEST_CASE("an instruction set is chosen by name or by the processor's features") {
   const auto runnable = runnable_kernels();
   REQUIRE(!runnable.empty());

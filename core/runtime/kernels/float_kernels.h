@@ -263,5 +263,5 @@ constexpr PoseKernels make_kernels(const char* name, PanelProduct column_product
   return {name,           column_product, quad_product,     column_rows,      signed_odd_digits,
           any_nan,        clamp_controls, control_features, compact_nonzeros, quantise,
           quantise_block, join_digits,    activate,         convert_to_half,  quad_areas,
-          quad_integrals, vertex_normals, vertex_tangents,  skin_vertices};
+          quad_integrals, vertex_normals, vertex_tangents,  skin_vertices,    skin_groups};
 }

@@ -128,6 +128,14 @@ struct SkinTable {
   const JointInfluence* influences;
 };
 
+// Eight vertices in a row that follow the same joints, in the same order, some with a weight of 0.
+struct SkinGroup {
+  static constexpr std::uint32_t vertices = 8, most_joints = 4;
+  std::uint32_t first_row, joints;
+  std::uint32_t offset[most_joints];  // see JointInfluence
+  std::uint32_t first_weight;         // eight of each joint
+};
+
 struct PoseKernels {
   const char* name;
   PanelProduct column_product, quad_product;
@@ -171,6 +179,9 @@ struct PoseKernels {
   // Moves vertices begin..end - 1, 3 floats each and readable one float beyond, by the joints that they follow.
   void (*skin_vertices)(const SkinTable& skin, std::uint32_t begin, std::uint32_t end, const float* matrices,
                         float* rows);
+  // The same for groups of vertices, of matrices whose numbers are finite.
+  void (*skin_groups)(const SkinGroup* groups, std::size_t count, const float* weights, const float* matrices,
+                      float* rows);
 };
 
 extern const PoseKernels scalar_kernels;

@@ -11,6 +11,8 @@
 #define FB_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
 #endif
 
+using Four = float __attribute__((vector_size(16)));
+
 // Four floats from one address, or from each of two.
 [[gnu::always_inline]] inline void load(Floats& to, const float* first, [[maybe_unused]] const float* second) {
 #if defined(__AVX__)  // written with vectors, GCC would merge two registers
@@ -54,15 +56,35 @@ void quad_integrals(const Quad* quads, const QuadWeights* weights, std::size_t c
   c = FB_SHUFFLE(c01, c23, 0, 1, 4, 5);
 }
 
-// The reverse: writes vectors of three floats, and a float behind them.
+// As one memcpy, GCC would write to the stack and read from there.
+[[gnu::always_inline]] inline void store_three(Four vector, float* to) {
+  __builtin_memcpy(to, &vector, 2 * sizeof(float));
+#if defined(__AVX__)
+  const int third = _mm_extract_ps(vector, 2);
+#else
+  const float third = vector[2];
+#endif
+  __builtin_memcpy(to + 2, &third, sizeof third);
+}
+
+// The reverse: writes vectors of three floats and, unless they are to be exact, a float behind them.
+template <bool exact = false>
 [[gnu::always_inline]] inline void store_vectors(const Floats& x, const Floats& y, const Floats& z, float* to) {
   const Floats xy01 = FB_SHUFFLE(x, y, 0, 4, 1, 5), xy23 = FB_SHUFFLE(x, y, 2, 6, 3, 7);
   const Floats of[4] = {FB_SHUFFLE(xy01, z, 0, 1, 4, 4), FB_SHUFFLE(xy01, z, 2, 3, 5, 5),
                         FB_SHUFFLE(xy23, z, 0, 1, 6, 6), FB_SHUFFLE(xy23, z, 2, 3, 7, 7)};
-  constexpr std::size_t four = 4 * sizeof(float);
   for (std::size_t i = 0; i < fours; ++i)
-    for (std::size_t k = 0; k < 4; ++k)
-      __builtin_memcpy(to + 3 * (4 * i + k), reinterpret_cast<const char*>(of + k) + i * four, four);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const char* const vector = reinterpret_cast<const char*>(of + k) + i * sizeof(Four);
+      float* const at = to + 3 * (4 * i + k);
+      if (exact && 4 * i + k + 1 == lanes) {
+        Four last;
+        __builtin_memcpy(&last, vector, sizeof last);
+        store_three(last, at);
+      } else {
+        __builtin_memcpy(at, vector, sizeof(Four));
+      }
+    }
 }
 
 [[gnu::always_inline]] inline void square_roots(const Floats& of, Floats& roots) {
@@ -160,8 +182,6 @@ void vertex_tangents(const PolygonsAround& around, const float* integrals, const
   });
 }
 
-using Four = float __attribute__((vector_size(16)));
-
 // The columns of a matrix, one, two or four in a register.
 #if defined(__AVX512F__)
 constexpr std::size_t column_lanes = 16;
@@ -204,17 +224,6 @@ using Columns = float __attribute__((vector_size(4 * column_lanes)));
 #endif
 }
 
-// As one memcpy, GCC would write to the stack and read from there.
-[[gnu::always_inline]] inline void store_three(Four vector, float* to) {
-  __builtin_memcpy(to, &vector, 2 * sizeof(float));
-#if defined(__AVX__)
-  const int third = _mm_extract_ps(vector, 2);
-#else
-  const float third = vector[2];
-#endif
-  __builtin_memcpy(to + 2, &third, sizeof third);
-}
-
 void skin_vertices(const SkinTable& skin, std::uint32_t begin, std::uint32_t end, const float* matrices, float* rows) {
   for (std::uint32_t v = begin; v < end; ++v) {
     const JointInfluence* influence = skin.influences + skin.first[v];
@@ -232,6 +241,43 @@ void skin_vertices(const SkinTable& skin, std::uint32_t begin, std::uint32_t end
     move_by(times_position(blend, position), position);
     store_three(position, at);
   }
+}
+
+// (x times column 0 + y times column 1) + (z times column 2 + column 3) of a row of the sum of matrices.
+[[gnu::always_inline]] inline Floats offset_along(std::size_t row, const SkinGroup& group, const float* weights,
+                                                  const float* matrices, const Floats& x, const Floats& y,
+                                                  const Floats& z) {
+  Floats column[4] = {};
+  for (std::uint32_t j = 0; j < group.joints; ++j, weights += SkinGroup::vertices) {
+    Floats weight;
+    __builtin_memcpy(&weight, weights, sizeof weight);
+    for (std::size_t c = 0; c < 4; ++c) column[c] += weight * matrices[group.offset[j] + 4 * c + row];
+  }
+  return (column[0] * x + column[1] * y) + (column[2] * z + column[3]);
+}
+
+// What is 0 or NaN counts as -0, as in move_by.
+[[gnu::always_inline]] inline void move_all_by(const Floats& offset, Floats& coordinates) {
+  const Integers moves = (Integers)(offset < 0.0f) | (Integers)(offset > 0.0f), sign = (Integers){} + INT32_MIN;
+  coordinates += (Floats)(((Integers)offset & moves) | (sign & ~moves));
+}
+
+void skin_groups(const SkinGroup* groups, std::size_t count, const float* weights, const float* matrices, float* rows) {
+  for (const SkinGroup* group = groups; group < groups + count; ++group)
+    for (std::size_t k = 0; k < SkinGroup::vertices; k += lanes) {
+      float* const at = rows + group->first_row + 3 * k;
+      Floats four[4], x, y, z;
+      for (std::size_t i = 0; i < 4; ++i) load(four[i], at + 3 * i, at + 3 * (i + lanes - 4));
+      split_axes(four, x, y, z);
+      const float* const of = weights + group->first_weight + k;
+      const Floats moved[3] = {offset_along(0, *group, of, matrices, x, y, z),
+                               offset_along(1, *group, of, matrices, x, y, z),
+                               offset_along(2, *group, of, matrices, x, y, z)};
+      move_all_by(moved[0], x);
+      move_all_by(moved[1], y);
+      move_all_by(moved[2], z);
+      store_vectors<true>(x, y, z, at);
+    }
 }
 
 #undef FB_SHUFFLE
