@@ -51,7 +51,6 @@ void write_past_caches(float* to, std::size_t count) {
 
 // Cold poses are measured one after another, without rounds.
 constexpr std::size_t parts_of_cold = 4;
-constexpr std::size_t faces_of_crowd = 8;
 
 // Of warm poses. Shorter lines differ by what reading the clock takes.
 constexpr double least_told = 1;  // microseconds
@@ -98,6 +97,9 @@ class SpeedBench {
   void measure_cold(std::vector<Timing>& timings);
   void measure_batches(std::vector<Timing>& timings);
   SpeedLine read_line(const char* name, std::size_t bytes) const;
+  SpeedLine write_line() const;
+  Timing posing(std::string name, std::function<void(std::size_t)> run, double bytes_a_vertex = 12) const;
+  std::vector<SpeedLine> lines_of(const std::vector<Timing>& timings, std::size_t rounds) const;
 
   const float* pose_at(std::size_t pose) const { return controls_.data() + pose % poses_ * width_; }
   void evaluate(std::size_t pose) { scratch_.evaluate(pose_at(pose), positions_.data()); }
@@ -124,7 +126,8 @@ class SpeedBench {
   FloatModel float_model_;
   SparseShapes shapes_;
   TimedCrowd crowd_;
-  double pose_bytes_ = 0;  // mean, of the model
+  double pose_bytes_ = 0;                                  // mean, of the model
+  double read_microseconds_ = 0, write_microseconds_ = 0;  // a byte
   const std::vector<float> rest_;
   std::vector<float> positions_, normals_, tangents_, coefficients_, expected_errors_, batch_controls_,
       batch_positions_;
@@ -150,7 +153,7 @@ SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float>
       paper_(width_, model_.vertex_count()),
       float_model_(archive, model_),
       shapes_(model_, controls),
-      crowd_(archive_, faces_of_crowd),
+      crowd_(archive_, options.crowd),
       rest_(model_.rest_controls()),
       positions_(floats_),
       normals_(floats_),
@@ -200,6 +203,13 @@ void SpeedBench::evaluate_batch() {
   scratch_.evaluate(batch);
 }
 
+// A pose and its results.
+Timing SpeedBench::posing(std::string name, std::function<void(std::size_t)> run, double bytes_a_vertex) const {
+  Timing timing{std::move(name), std::move(run), pose_bytes_};
+  timing.written = bytes_a_vertex * double(floats_) / 3;
+  return timing;
+}
+
 std::vector<Timing> SpeedBench::warm_timings() {
   const auto as_batch = [this](const Outputs& outputs) {
     return [outputs, this](std::size_t p) { evaluate_as_batch(p, outputs); };
@@ -208,10 +218,10 @@ std::vector<Timing> SpeedBench::warm_timings() {
     facebaker::check(fb_evaluate_coefficients(model_.get(), scratch_.get(), pose_at(p), coefficients_.data()));
   };
   std::vector<Timing> timings = {
-      {"positions", [this](std::size_t p) { evaluate(p); }, pose_bytes_},
-      {"positions, baked order", as_batch({.order = FB_ORDER_BAKED}), pose_bytes_},
-      {"positions, halves", as_batch({.format = FB_FLOAT16}), pose_bytes_},
-      {"positions and normals", as_batch({.normals = true}), pose_bytes_},
+      posing("positions", [this](std::size_t p) { evaluate(p); }),
+      posing("positions, baked order", as_batch({.order = FB_ORDER_BAKED})),
+      posing("positions, halves", as_batch({.format = FB_FLOAT16}), 6),
+      posing("positions and normals", as_batch({.normals = true}), 24),
       {"coefficients", coefficients},
       {"at rest", [this](std::size_t) { scratch_.evaluate(rest_.data(), positions_.data()); }},
       {"same model, floats, Eigen", [this](std::size_t p) { float_model_.evaluate(pose_at(p), positions_.data()); },
@@ -221,7 +231,7 @@ std::vector<Timing> SpeedBench::warm_timings() {
       {"sparse morph targets, floats", [this](std::size_t p) { shapes_.evaluate(pose_at(p)); },
        mean_bytes_of_shapes()}};
   if (fb_uv_count(model_.get()) > 0)
-    timings.push_back({"positions, normals and tangents", as_batch({.normals = true, .tangents = true}), pose_bytes_});
+    timings.push_back(posing("positions, normals and tangents", as_batch({.normals = true, .tangents = true}), 36));
   if (fb_error_region_count(model_.get()) > 0)
     timings.push_back({"expected errors", [this](std::size_t p) {
                          facebaker::check(fb_expected_error(model_.get(), scratch_.get(), pose_at(p),
@@ -232,10 +242,13 @@ std::vector<Timing> SpeedBench::warm_timings() {
 
 std::vector<Timing> SpeedBench::crowd_timings() {
   std::vector<Timing> timings;
-  for (const std::uint32_t threads : {1u, 2u})
-    timings.push_back({format("crowd of %zu, %u thread%s", crowd_.size(), threads, threads > 1 ? "s" : ""),
-                       [this, threads](std::size_t call) { crowd_.evaluate(call * crowd_.size(), controls_, threads); },
-                       pose_bytes_, crowd_.size(), true});
+  for (const std::uint32_t threads : {1u, 2u}) {
+    const auto pose = [this, threads](std::size_t call) { crowd_.evaluate(call * crowd_.size(), controls_, threads); };
+    Timing& timing = timings.emplace_back(
+        posing(format("crowd of %zu, %u thread%s", crowd_.size(), threads, threads > 1 ? "s" : ""), pose));
+    timing.poses_a_call = crowd_.size();
+    timing.elapsed = true;
+  }
   return timings;
 }
 
@@ -278,7 +291,9 @@ std::vector<Timing> SpeedBench::batch_timings() {
   const double written = double(floats_ * sizeof(float));
   const std::string name = format("batch of %zu: ", options_.batch);
   std::vector<float>& to = batch_positions_;
-  return {{name + "positions", [this](std::size_t) { evaluate_batch(); }, pose_bytes_, options_.batch},
+  Timing positions = posing(name + "positions", [this](std::size_t) { evaluate_batch(); });
+  positions.poses_a_call = options_.batch;
+  return {positions,
           {name + "paper's network, Eigen",
            [&](std::size_t) { paper_.evaluate(options_.batch, batch_controls_.data(), to.data()); },
            double(paper_.bytes()), options_.batch},
@@ -316,6 +331,27 @@ SpeedLine SpeedBench::read_line(const char* name, std::size_t bytes) const {
   return timing.line(parts);
 }
 
+// Writing the positions of a pose over and over.
+SpeedLine SpeedBench::write_line() const {
+  std::vector<float> positions(floats_);
+  constexpr std::size_t parts = 3;
+  const double bytes = double(floats_ * sizeof(float));
+  int value = 0;
+  Timing timing{"writing as many positions as a pose has",
+                [&](std::size_t) { std::memset(positions.data(), ++value, positions.size() * sizeof(float)); }, bytes};
+  for (std::size_t n = 0; n < 10 * parts; ++n) timing.measure(0);
+  return timing.line(parts);
+}
+
+std::vector<SpeedLine> SpeedBench::lines_of(const std::vector<Timing>& timings, std::size_t rounds) const {
+  std::vector<SpeedLine> lines;
+  for (const Timing& timing : timings) {
+    SpeedLine& line = lines.emplace_back(timing.line(rounds));
+    if (timing.written > 0) line.bound = timing.bytes * read_microseconds_ + timing.written * write_microseconds_;
+  }
+  return lines;
+}
+
 Speed SpeedBench::run() {
   std::vector<Timing> warm = warm_timings();
   std::vector<Timing> cold = {warm[0], warm[6], warm[7]};
@@ -338,13 +374,19 @@ Speed SpeedBench::run() {
   speed.load = load_time(archive_);
   speed.scratch = scratch_bytes(archive_);
   speed.morphs = morph_figures();
-  for (const Timing& timing : warm) speed.lines.push_back(timing.line(options_.rounds));
+  const SpeedLine read = read_line("reading as many bytes as a pose reads", static_cast<std::size_t>(pose_bytes_));
+  const SpeedLine write = write_line();
+  read_microseconds_ = read.median / read.bytes;
+  write_microseconds_ = write.median / write.bytes;
+  speed.lines = lines_of(warm, options_.rounds);
   speed.noise = noise_of(speed.lines, waited);
-  for (const Timing& timing : cold) speed.lines.push_back(timing.line(parts_of_cold));
-  for (const std::vector<Timing>* timings : {&crowds, &batches})
-    for (const Timing& timing : *timings) speed.lines.push_back(timing.line(options_.rounds));
-  speed.lines.push_back(read_line("reading as many bytes as a pose reads", static_cast<std::size_t>(pose_bytes_)));
-  speed.lines.push_back(read_line("reading as many bytes as the paper's network has", paper_.bytes()));
+  const auto add = [&](const std::vector<SpeedLine>& lines) {
+    speed.lines.insert(speed.lines.end(), lines.begin(), lines.end());
+  };
+  add(lines_of(cold, parts_of_cold));
+  add(lines_of(crowds, options_.rounds));
+  add(lines_of(batches, options_.rounds));
+  add({read, write, read_line("reading as many bytes as the paper's network has", paper_.bytes())});
   return speed;
 }
 

@@ -20,6 +20,7 @@ struct SpeedLine {
   double spread;          // between rounds, see spread_between_rounds
   bool elapsed;           // time that passed, of several threads; else processor time
   double processors = 0;  // where elapsed: how many the threads had on average; 0: not known
+  double bound = 0;       // microseconds that reading `bytes` and writing the results take alone; 0: not known
 };
 
 // What others on the machine did to a run.
@@ -53,6 +54,7 @@ struct SpeedOptions {
   std::size_t rounds = 9;  // over all poses; within a round, methods take turns
   std::size_t cold = 40;   // poses evaluated with cold caches
   std::size_t batch = 256;
+  std::size_t crowd = 8;  // faces
 };
 
 // On the calling thread. controls: poses x controls, in the order they are evaluated. Fails if there is no pose.

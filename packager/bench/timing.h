@@ -17,6 +17,7 @@ struct Timing {
   double bytes = 0;
   std::size_t poses_a_call = 1;
   bool elapsed = false;            // time that passes, for what runs on several threads; else the thread's
+  double written = 0;              // bytes of results a pose; 0: not known
   std::vector<double> times = {};  // microseconds a pose
   double used = 0, passed = 0;     // of all calls, where elapsed: processor time of all threads, and time
 

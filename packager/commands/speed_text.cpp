@@ -54,11 +54,12 @@ double rounded(double microseconds) {
 }  // namespace
 
 std::string speed_text(const Speed& speed) {
-  Table table(
-      {"one thread, microseconds a pose", "least", "median", "p99", "spread, %", "times the paper's", "kB", "GB/s"});
+  Table table({"one thread, microseconds a pose", "least", "median", "p99", "spread, %", "times the paper's",
+               "times the bound", "kB", "GB/s"});
   for (const SpeedLine& line : speed.lines)
     table.add({line.name, format("%.1f", line.least), format("%.1f", line.median), format("%.1f", line.p99),
                format("%.0f", 100 * line.spread), ratio(speed, line),
+               line.bound > 0 ? format("%.1f", line.median / line.bound) : "",
                line.bytes > 0 ? format("%.0f", line.bytes * 1e-3) : "",
                line.bytes > 0 ? format("%.1f", line.bytes * 1e-3 / line.median) : ""});
   return table.text() +
@@ -82,12 +83,14 @@ std::string speed_json(const Speed& speed) {
                      {"p99_us", rounded(line.p99)},
                      {"spread", line.spread},
                      {"bytes", line.bytes},
+                     {"bound_us", rounded(line.bound)},
                      {"clock", line.elapsed ? "elapsed" : "thread"},
                      {"processors", line.processors}});
   const Json json = {
       {"pose_us_warm", rounded(speed.line("positions").median)},
       {"pose_us_cold", rounded(speed.line("cold: positions").median)},
       {"batch_us_per_pose", rounded(batch_line(speed, "positions").median)},
+      {"bound_us", rounded(speed.line("positions").bound)},
       {"eigen_fp32_us", rounded(speed.line("same model, floats, Eigen").median)},
       {"paper_us", rounded(speed.line("paper's network, Eigen").median)},
       {"load_us", rounded(speed.load)},

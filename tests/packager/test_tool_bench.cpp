@@ -77,6 +77,12 @@ TEST_CASE("bench --json has the main figures by name, and all lines") {
   CHECK(json.at("eigen_fp32_us") == line("same model, floats, Eigen").at("median_us"));
   CHECK(json.at("paper_us") == line("paper's network, Eigen").at("median_us"));
   CHECK(json.at("pose_us_warm") > 0);
+  const auto bound = [&](const std::string& name) { return line(name).at("bound_us").get<double>(); };
+  CHECK(json.at("bound_us") == bound("positions"));
+  CHECK(bound("positions") >= line("reading as many bytes as a pose reads").at("median_us"));
+  CHECK(bound("positions, halves") < bound("positions"));
+  CHECK(bound("positions and normals") > bound("positions"));
+  CHECK(bound("coefficients") == 0);
   const double spread = json.at("noise").at("spread"), waited = json.at("noise").at("waited");
   CHECK(line(json.at("noise").at("line")).at("spread") == spread);
   CHECK(json.at("believable") == (spread <= 0.1 && waited <= 0.05));
@@ -88,7 +94,9 @@ TEST_CASE("bench --json has the main figures by name, and all lines") {
   CHECK(line("crowd of 8, 2 threads").at("clock") == "elapsed");
   CHECK(line("positions").at("clock") == "thread");
 
-  const ToolRun printed = run_tool({"bench", archive, "--poses", "5", "--rounds", "2", "--batch", "4", "--json", "-"});
+  const ToolRun printed =
+      run_tool({"bench", archive, "--poses", "5", "--rounds", "2", "--batch", "4", "--crowd", "3", "--json", "-"});
+  CHECK(printed.out.find("crowd of 3, 2 threads") != std::string::npos);
   CHECK(nlohmann::json::parse(printed.out).at("lines").size() == json.at("lines").size());
   CHECK(run_tool({"bench", archive, "--json", folder / "none/speed.json"}).exit_code != 0);
 }
