@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dense/bumps.h"
 #include "dense/dense_mesh.h"
 
 using rigs::dense::DenseMesh;
@@ -47,4 +48,31 @@ TEST_CASE("inner edges are rounded") {
     if (points[3 * v + 1] > 0.2f && points[3 * v + 1] < 0.8f) inner = std::max(inner, points[3 * v + 2]);
   CHECK(inner < 0.9f);
   CHECK(inner > 0.8f);
+}
+
+TEST_CASE("each further control moves a place of its own, less where another control acts") {
+  const sample_face::Rig rig;
+  const rigs::dense::Bumps bumps(rig, 40);
+  REQUIRE(bumps.count() == 40);
+  std::vector<float> controls(40), sample(rig.controls().list().size());
+  const auto moved = [&](std::size_t bump, float at) {
+    controls.assign(40, 0.0f);
+    controls[bump] = 1;
+    sample[bump] = at;
+    std::vector<sample_face::Vec3> points = rig.rest();
+    bumps.add(controls.data(), sample, points);
+    float most = 0;
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < points.size(); ++v) {
+      const sample_face::Vec3 offset = points[v] - rig.rest()[v];
+      most = std::max(most, std::sqrt(dot(offset, offset)));
+      count += dot(offset, offset) > 0;
+    }
+    CHECK(count < points.size() / 10);
+    return most;
+  };
+  CHECK(moved(7, 0) == doctest::Approx(0.3));
+  CHECK(moved(7, 1) == doctest::Approx(0.15));
+  CHECK(bumps.value_in_clip(6, 3) == 0);
+  CHECK(bumps.value_in_clip(5, 3) != bumps.value_in_clip(5, 9));
 }
