@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -10,39 +11,49 @@
 namespace fb::runtime {
 namespace {
 
+#if defined(__SSE2__)
+// Writes four vertices from v on, which are three vectors, by store(address, vector).
+template <class IndexOf, class Store>
+void write_four(const float* rows, std::size_t v, float* to, const IndexOf& index_of, const Store& store) {
+  const __m128 a = _mm_loadu_ps(rows + 3 * index_of(v)), b = _mm_loadu_ps(rows + 3 * index_of(v + 1));
+  const __m128 c = _mm_loadu_ps(rows + 3 * index_of(v + 2)), d = _mm_loadu_ps(rows + 3 * index_of(v + 3));
+  const __m128 az_bx = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 2, 2));  // z z x x
+  const __m128 cz_dx = _mm_shuffle_ps(c, d, _MM_SHUFFLE(0, 0, 2, 2));
+  store(to + 3 * v, _mm_shuffle_ps(a, az_bx, _MM_SHUFFLE(2, 0, 1, 0)));
+  store(to + 3 * v + 4, _mm_shuffle_ps(b, c, _MM_SHUFFLE(1, 0, 2, 1)));
+  store(to + 3 * v + 8, _mm_shuffle_ps(cz_dx, d, _MM_SHUFFLE(2, 1, 2, 0)));
+}
+#endif
+
 // Writes vertices begin..end - 1. index_of(v): the index in `rows` of vertex v. Without gaps, four numbers are copied,
 // which is one instruction; the next vertex overwrites the fourth.
 template <class Number, class IndexOf>
 void copy(const Number* rows, VertexRange range, std::size_t stride, Number* to, const IndexOf& index_of) {
   if (range.begin == range.end) return;
   const std::size_t last = range.end - 1;
-  if (stride == 3)
+  std::size_t v = range.begin;
+  if (stride == 3) {
+#if defined(__SSE2__)
+    if constexpr (std::is_same_v<Number, float>)
+      for (; v + 4 <= range.end; v += 4) write_four(rows, v, to, index_of, _mm_storeu_ps);
+#endif
 #pragma GCC unroll 4
-    for (std::size_t v = range.begin; v < last; ++v)
-      std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(Number));
-  else
-    for (std::size_t v = range.begin; v < last; ++v)
-      std::memcpy(to + v * stride, rows + 3 * index_of(v), 3 * sizeof(Number));
-  std::memcpy(to + last * stride, rows + 3 * index_of(last), 3 * sizeof(Number));
+    for (; v < last; ++v) std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(Number));
+  } else {
+    for (; v < last; ++v) std::memcpy(to + v * stride, rows + 3 * index_of(v), 3 * sizeof(Number));
+  }
+  if (v == last) std::memcpy(to + last * stride, rows + 3 * index_of(last), 3 * sizeof(Number));
 }
 
 #if defined(__SSE2__)
-// Non-temporal stores of aligned vectors: four vertices are three vectors.
+// Non-temporal stores, of aligned vectors.
 template <class IndexOf>
 void stream(const float* rows, VertexRange range, float* to, const IndexOf& index_of) {
   std::size_t v = range.begin;
   const std::size_t vertices = range.end;
   for (; v < vertices && reinterpret_cast<std::uintptr_t>(to + 3 * v) % 16 != 0; ++v)
     std::memcpy(to + 3 * v, rows + 3 * index_of(v), 3 * sizeof(float));
-  for (; v + 4 <= vertices; v += 4) {
-    const __m128 a = _mm_loadu_ps(rows + 3 * index_of(v)), b = _mm_loadu_ps(rows + 3 * index_of(v + 1));
-    const __m128 c = _mm_loadu_ps(rows + 3 * index_of(v + 2)), d = _mm_loadu_ps(rows + 3 * index_of(v + 3));
-    const __m128 az_bx = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 2, 2));  // z z x x
-    const __m128 cz_dx = _mm_shuffle_ps(c, d, _MM_SHUFFLE(0, 0, 2, 2));
-    _mm_stream_ps(to + 3 * v, _mm_shuffle_ps(a, az_bx, _MM_SHUFFLE(2, 0, 1, 0)));
-    _mm_stream_ps(to + 3 * v + 4, _mm_shuffle_ps(b, c, _MM_SHUFFLE(1, 0, 2, 1)));
-    _mm_stream_ps(to + 3 * v + 8, _mm_shuffle_ps(cz_dx, d, _MM_SHUFFLE(2, 1, 2, 0)));
-  }
+  for (; v + 4 <= vertices; v += 4) write_four(rows, v, to, index_of, _mm_stream_ps);
   for (; v < vertices; ++v) std::memcpy(to + 3 * v, rows + 3 * index_of(v), 3 * sizeof(float));
   _mm_sfence();
 }
@@ -86,7 +97,11 @@ void VertexWriter::write_range(VertexRange range, const IndexOf& index_of) const
 }
 
 void VertexWriter::write(VertexRange range) const {
-  if (index_.empty())
+  const bool floats = output_.format == NumberFormat::float32;
+  if (index_.empty() && floats && output_.vertex_stride == 3 && !rest_ && !output_.streamed)
+    std::memcpy(static_cast<float*>(output_.first) + 3 * std::size_t(range.begin), rows_ + 3 * std::size_t(range.begin),
+                3 * std::size_t(range.end - range.begin) * sizeof(float));
+  else if (index_.empty())
     write_range(range, [](std::size_t v) { return v; });
   else
     write_range(range, [&](std::size_t v) { return std::size_t(index_[v]); });
