@@ -2,50 +2,14 @@
 
 #include <zlib.h>
 
-#include <array>
 #include <cstdint>
-#include <map>
 #include <span>
 
 #include "base/status.h"
+#include "render/palette.h"
 
 namespace fb::tool {
 namespace {
-
-constexpr std::size_t most_colours = 256;
-
-struct Palette {
-  std::vector<Rgb> colours;           // by the kept bits of green, red and blue, so that neighbours are alike
-  std::vector<std::uint8_t> indices;  // of each pixel
-};
-
-// The kept bits of a pixel; green first, which is brightest.
-std::uint32_t key_of(const Rgb& pixel, int dropped) {
-  const auto kept = [&](std::uint8_t channel) { return std::uint32_t{channel} >> dropped; };
-  return kept(pixel.g) << 16 | kept(pixel.r) << 8 | kept(pixel.b);
-}
-
-// Nothing if there would be too many colours.
-Palette palette_of(const Image& image, int dropped) {
-  struct Sum {
-    std::uint64_t r = 0, g = 0, b = 0, count = 0;
-    std::uint8_t index = 0;
-  };
-  std::map<std::uint32_t, Sum> sums;
-  for (const Rgb& pixel : image.pixels) {
-    Sum& sum = sums[key_of(pixel, dropped)];
-    sum.r += pixel.r, sum.g += pixel.g, sum.b += pixel.b, ++sum.count;
-  }
-  Palette palette;
-  if (sums.size() > most_colours) return palette;
-  for (auto& [key, sum] : sums) {
-    sum.index = static_cast<std::uint8_t>(palette.colours.size());
-    const auto mean = [n = sum.count](std::uint64_t total) { return static_cast<std::uint8_t>((total + n / 2) / n); };
-    palette.colours.push_back({mean(sum.r), mean(sum.g), mean(sum.b)});
-  }
-  for (const Rgb& pixel : image.pixels) palette.indices.push_back(sums[key_of(pixel, dropped)].index);
-  return palette;
-}
 
 // PNG's filters 0 to 2: none, and the difference from the pixel on the left or above.
 std::vector<std::uint8_t> filtered(const Palette& palette, std::size_t width, std::uint8_t filter) {
@@ -86,8 +50,7 @@ void add_chunk(std::vector<std::byte>& png, const char (&type)[5], std::span<con
 }  // namespace
 
 std::vector<std::byte> palette_png(const Image& image) {
-  Palette palette;
-  for (int dropped = 2; palette.colours.empty(); ++dropped) palette = palette_of(image, dropped);
+  const Palette palette = palette_of(image);
   std::vector<std::byte> pixels;
   for (const std::uint8_t filter : {0, 1, 2}) {
     std::vector<std::byte> packed = deflated(filtered(palette, static_cast<std::size_t>(image.width), filter));

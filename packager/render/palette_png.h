@@ -7,8 +7,7 @@
 
 namespace fb::tool {
 
-// An image as a small PNG of at most 256 colours: as many bits of each channel are kept as that allows, and pixels that
-// agree in them have their mean colour.
+// An image as a small PNG of at most 256 colours (palette_of), of which pixels take at most a byte and 1 in a thousand.
 std::vector<std::byte> palette_png(const Image& image);
 
 }  // namespace fb::tool
