@@ -4,6 +4,7 @@
 #include "bake/authoring.h"
 #include "bake/measure/locality.h"
 #include "bake/pipeline/recipe_table.h"
+#include "bake/rig/foreign_call.h"
 #include "base/sha256.h"
 
 using namespace fb::capi;
@@ -26,6 +27,29 @@ std::vector<std::string> exact_of(const fb_bake_desc& desc) {
   return names;
 }
 
+// What the host draws.
+std::vector<std::byte> drawn_thumbnail(const fb_bake_desc& desc, std::span<const std::byte> archive) {
+  std::vector<std::byte> png(FB_THUMBNAIL_BYTES);
+  std::uint64_t size = 0;
+  std::array<char, 512> message{};
+  const fb_status status = fb::bake::foreign_call("draw_thumbnail", [&] {
+    return desc.draw_thumbnail(desc.thumbnail_user, archive.data(), archive.size(), png.data(), &size, message.data(),
+                               static_cast<std::uint32_t>(message.size()));
+  });
+  message.back() = '\0';
+  if (status != FB_OK) {
+    const bool known = status == FB_ERROR_INTERRUPTED || status == FB_ERROR_OUT_OF_MEMORY;
+    fail(known ? static_cast<fb::Status>(status) : fb::Status::internal, "%s",
+         message[0] ? message.data() : fb::format("draw_thumbnail returned %d without a message", status).c_str());
+  }
+  if (size > png.size())
+    fail(fb::Status::limit, "draw_thumbnail wrote %llu bytes; a thumbnail may have %u",
+         static_cast<unsigned long long>(size), FB_THUMBNAIL_BYTES);
+  png.resize(size);
+  return png;
+}
+
+// desc must outlive the options.
 fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Source& source, fb::Progress& progress) {
   require(desc.recipe, "fb_bake_desc: recipe");
   fb::bake::BakeOptions options = training_options(desc, "fb_bake_desc", progress);
@@ -37,6 +61,8 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Sourc
   options.created = text_or_empty(desc.created);
   options.about = text_or_empty(desc.about);
   options.thumbnail = bytes_or_none(desc.thumbnail, desc.thumbnail_bytes);
+  if (desc.draw_thumbnail)
+    options.draw_thumbnail = [&desc](std::span<const std::byte> archive) { return drawn_thumbnail(desc, archive); };
   for (const std::filesystem::path& file : desc.source->files)
     options.source_files.push_back(
         {file.filename().string(), std::filesystem::file_size(file), fb::sha256_of_file(file)});

@@ -41,6 +41,17 @@ static inline void assert_refused(fb_status status, fb_status expected, const ch
   assert_contains(fb_last_error(), message_part);
 }
 
+static inline void assert_same_files(const char* first, const char* second) {
+  FILE *a = fopen(first, "rb"), *b = fopen(second, "rb");
+  assert_true(a && b);
+  for (int byte = 0; byte != EOF;) {
+    byte = fgetc(a);
+    assert_int_equal(byte, fgetc(b));
+  }
+  fclose(a);
+  fclose(b);
+}
+
 /* What a host sees of a call. */
 typedef struct Seen {
   int stages, calls, notes;

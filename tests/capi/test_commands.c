@@ -261,17 +261,6 @@ static fb_bake_desc small_bake(const char* name) {
   return desc;
 }
 
-static void assert_same_files(const char* first, const char* second) {
-  FILE *a = fopen(first, "rb"), *b = fopen(second, "rb");
-  assert_true(a && b);
-  for (int byte = 0; byte != EOF;) {
-    byte = fgetc(a);
-    assert_int_equal(byte, fgetc(b));
-  }
-  fclose(a);
-  fclose(b);
-}
-
 /* What a bake with one option by name is refused for. */
 static void assert_option_refused(const char* option, const char* reason) {
   fb_bake_desc desc = small_bake("never.fbk");

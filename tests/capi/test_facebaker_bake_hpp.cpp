@@ -1,7 +1,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
+#include <stdexcept>
 
 TEST_CASE("an archive is described, inspected and verified") {
   facebaker::Archive archive(FB_FIXTURE);
@@ -38,4 +40,24 @@ TEST_CASE("a source is described, read and evaluated") {
   } catch (const facebaker::Error& error) {
     CHECK(error.status() == FB_ERROR_BAD_DATA);
   }
+}
+
+TEST_CASE("what a function throws that draws thumbnails is a note, and the face is baked without") {
+  const facebaker::Source source({FB_TOY_RIG});
+  fb_bake_desc desc;
+  fb_bake_desc_init(&desc);
+  desc.source = source.get();
+  desc.archive = "thrown_thumbnail.fbk";
+  desc.recipe = "linear";
+  desc.poses = 100;
+  desc.draw_thumbnail = [](void*, const void*, std::uint64_t, void*, std::uint64_t*, char*,
+                           std::uint32_t) -> fb_status { throw std::runtime_error("no pens"); };
+  std::string last_note;
+  desc.callbacks.user = &last_note;
+  desc.callbacks.note = [](void* user, const char* sentence) { *static_cast<std::string*>(user) = sentence; };
+  const facebaker::Report report = facebaker::bake(desc);
+  CHECK(last_note == "the archive has no thumbnail: draw_thumbnail threw an exception: no pens");
+  const facebaker::Archive archive(desc.archive);
+  CHECK(archive.info().thumbnail == nullptr);
+  std::remove(desc.archive);
 }

@@ -365,6 +365,7 @@ class fb_option_info(Structure):
         ("argument", c_char_p), ("value", c_char_p), ("standard", c_char_p), ("words", c_char_p), ("since", c_char_p),
         ("help", c_char_p), ("least", c_double), ("most", c_double),
     ]
+fb_bake_desc_draw_thumbnail = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_uint64, c_void_p, c_void_p, c_void_p, c_uint32)
 class fb_bake_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("source", c_void_p), ("archive", c_char_p),
@@ -377,7 +378,7 @@ class fb_bake_desc(Structure):
         ("thumbnail_bytes", c_uint64), ("exact", POINTER(c_char_p)), ("exact_count", c_uint32), ("reserved2", c_uint32),
         ("level_share_count", c_uint32), ("level_mesh_count", c_uint32), ("level_shares", POINTER(c_double)),
         ("level_meshes", POINTER(c_char_p)), ("options", POINTER(c_char_p)), ("option_count", c_uint32),
-        ("reserved3", c_uint32),
+        ("reserved3", c_uint32), ("draw_thumbnail", fb_bake_desc_draw_thumbnail), ("thumbnail_user", c_void_p),
     ]
 class fb_compare_desc(Structure):
     _fields_ = [

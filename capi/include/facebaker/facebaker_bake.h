@@ -352,7 +352,7 @@ typedef struct fb_bake_desc {
                            docs/characters.md: its fields come before those of the source, and null removes them. Null
                            (default): what the source says */
   const void* thumbnail;      /**< a PNG that shows the character: square, at most 512 pixels wide and 64 KiB; null
-                                 (default): none */
+                                 (default): none, or what draw_thumbnail draws */
   uint64_t thumbnail_bytes;   /**< of thumbnail */
   const char* const* exact;   /**< poses that must come out as the source gives them, within rounding: "CLIP:FRAME",
                                  "CLIP:FRAME,FRAME,...", "CLIP" for all its frames, or, of a live source, a .csv or .npy
@@ -371,6 +371,18 @@ typedef struct fb_bake_desc {
                                  same names; those that came after 0.9 have no field. Null (default): none */
   uint32_t option_count;      /**< of options */
   uint32_t reserved3;         /**< 0 */
+  /** Draws the thumbnail of the baked face, in place of `thumbnail`, where that is null. archive has the bytes of the
+   * .fbk without one, for fb_load_memory; they are valid during the call. png has room for FB_THUMBNAIL_BYTES, of which
+   * *png_bytes, which is 0 before, receives how many are used; 0: the archive has no thumbnail. Called once, when all
+   * else is done, on a thread that the call started or the calling one; meanwhile `callbacks` may be called on another.
+   * Returns FB_OK, or an error after writing a sentence into message (message_size bytes, zero-terminated). After
+   * FB_ERROR_INTERRUPTED and FB_ERROR_OUT_OF_MEMORY fb_bake fails with them, and the same call goes on from the work
+   * folder. After other errors, what it throws, in C++, included, and with a picture that is no thumbnail or would make
+   * the archive longer than max_bytes, the archive has none, and a note says why. Of max_bytes, a 24th is left for it,
+   * but at least 8 KiB, at most 40 KiB, and never more than a quarter. Null (default): none is drawn */
+  fb_status (*draw_thumbnail)(void* user, const void* archive, uint64_t archive_bytes, void* png, uint64_t* png_bytes,
+                              char* message, uint32_t message_size);
+  void* thumbnail_user; /**< passed to draw_thumbnail */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);

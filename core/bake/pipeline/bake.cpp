@@ -20,6 +20,7 @@
 #include "bake/measure/verify.h"
 #include "bake/measure/worst_vertex.h"
 #include "bake/pipeline/composed_rig.h"
+#include "bake/pipeline/drawn_thumbnail.h"
 #include "bake/pipeline/learning_curve.h"
 #include "bake/pipeline/overfitting.h"
 #include "bake/pipeline/recipe_table.h"
@@ -408,6 +409,7 @@ BakeOptions with_character(const BakeOptions& options, const Source& source, Pro
   if (whole.licence.empty()) whole.licence = licence;
   if (!whole.thumbnail.empty()) check_thumbnail(whole.thumbnail);
   whole.reserved_bytes = whole.about.size() + whole.thumbnail.size() + whole.licence.size();
+  if (whole.thumbnail.empty() && whole.draw_thumbnail) whole.reserved_bytes += drawn_thumbnail_bytes(whole.max_bytes);
   for (const Image& image : character.images) whole.reserved_bytes += image.bytes.size();
   whole.reserved_bytes += character_bytes(character);
   for (const MeshPart& part : source.rest().parts) whole.reserved_bytes += 4 * part.materials.size();
@@ -440,6 +442,7 @@ Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
   } else {
     baked = bake_ordinary(source, options, progress);
   }
+  baked.archive = with_drawn_thumbnail(std::move(baked.archive), options, progress);
   if (options.max_bytes > 0 && baked.archive.size() > options.max_bytes) {
     const std::string unmet = format("the archive has %zu bytes with its certificate, more than the %llu asked for",
                                      baked.archive.size(), static_cast<unsigned long long>(options.max_bytes));

@@ -5,7 +5,7 @@
 //   recipe_table     the recipes by name
 //   learning_curve   reports on the training poses: coverage, and the error by their number
 //   compare          several recipes on the same poses, with bake_cache for those baked before
-//   repack           an archive packed anew, without poses
+//   repack           an archive packed anew, without poses; drawn_thumbnail puts a picture into one
 #pragma once
 
 #include <cstddef>

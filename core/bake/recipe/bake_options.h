@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -56,7 +57,10 @@ struct BakeOptions {
   std::string licence, created;
   // What is said of the character, over what its source says of it (about.h): a JSON object; empty: nothing.
   std::string about;
-  std::vector<std::byte> thumbnail;      // for the archive, a PNG; empty: none
+  std::vector<std::byte> thumbnail;  // for the archive, a PNG; empty: none, or drawn
+  // Draws the thumbnail of a finished archive that has none, a PNG; returns nothing for none. Called once, on a thread
+  // of its own. See with_drawn_thumbnail for what its errors do. Null: none is drawn.
+  std::function<std::vector<std::byte>(std::span<const std::byte> archive)> draw_thumbnail;
   std::vector<SourceFile> source_files;  // for the provenance
   std::uint64_t reserved_bytes = 0;      // of max_bytes, for what is not learnt
   // Poses that come out as the source gives them, within rounding, see find_named_frames.
