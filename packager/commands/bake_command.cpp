@@ -96,7 +96,6 @@ std::string bake_text(const std::string& document) {
 facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& progress,
                                     const fb_callbacks& callbacks) {
   const std::string licence_words = file_text(licence), about_words = file_text(about);
-  const std::vector<std::byte> picture = thumbnail ? draw_thumbnail(source, parallel) : std::vector<std::byte>();
   const std::vector<const char*> examples = c_strings(poses_like);
   desc.source = source.get();
   desc.examples = examples.data();
@@ -114,8 +113,7 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
   desc.threads = static_cast<std::uint32_t>(parallel.threads);
   desc.licence = licence.empty() ? nullptr : licence_words.c_str();
   desc.about = about.empty() ? nullptr : about_words.c_str();
-  desc.thumbnail = picture.empty() ? nullptr : picture.data();
-  desc.thumbnail_bytes = picture.size();
+  if (thumbnail) draw_thumbnail_of(desc, parallel);
   for (std::uint32_t k = 1; k < levels; ++k) shares.push_back(std::ldexp(1.0, -static_cast<int>(k)));
   const std::vector<const char*> meshes = c_strings(level_meshes);
   desc.level_shares = shares.data();
@@ -226,7 +224,10 @@ void add_bake(Command tool) {
   app.add_flag("--with-blender", command->with_blender,
                "Have Blender bake SOURCE by the add-on: a .blend, or an .fbx, .usd, .abc, .dae, .vrm or .glb that it "
                "imports; other options are those of the add-on (docs/blender.md)");
-  app.add_flag("!--no-thumbnail", command->thumbnail, "Leave out the picture of the face that file managers show");
+  app.add_flag(
+      "!--no-thumbnail", command->thumbnail,
+      "Leave out the picture of the baked face that file managers show: its rest pose with its materials, and of "
+      "a body what its controls move");
   app.add_option("--created", command->created, "A date to put into the archive; without it there is none")
       .type_name("DATE");
   add_level_options(app, *command);

@@ -12,6 +12,7 @@
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/moving_region.h"
 #include "commands/open_beside.h"
 #include "commands/pose_controls.h"
 #include "commands/pose_evaluator.h"
@@ -23,7 +24,6 @@
 #include "commands/terminal.h"
 #include "export/character_appearance.h"
 #include "export/obj_file.h"
-#include "render/moving_part.h"
 #include "render/png_file.h"
 #include "render/pose_renderer.h"
 
@@ -98,24 +98,6 @@ std::array<std::vector<float>, 8> bounds_of(PoseEvaluator& evaluator, const Pose
 
 void print_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) print_line(note, "facebaker pose: ");
-}
-
-// Of a face that is a small part of a body, what its controls move alone.
-std::optional<BoundingBox> moving_region(PoseEvaluator& evaluator) {
-  const facebaker::Model& model = evaluator.model();
-  std::vector<float> pose;
-  for (std::uint32_t c = 0; c < model.control_count(); ++c) pose.push_back(model.control(c).rest);
-  MovingPart part(evaluator.character().mesh);
-  for (std::uint32_t c = 0; c < model.control_count(); ++c) {
-    const fb_control control = model.control(c);
-    for (const float value : {control.minimum, control.maximum}) {
-      if (value == control.rest) continue;
-      pose[c] = value;
-      part.add(evaluator.positions(pose));
-    }
-    pose[c] = control.rest;
-  }
-  return part.region();
 }
 
 void PoseCommand::write_still(const std::string& path, const CharacterView& character, const PoseRenderer* renderer,

@@ -1,34 +1,58 @@
 #include "commands/thumbnail.h"
 
-#include <facebaker/facebaker_bake.hpp>
+#include <algorithm>
+#include <new>
 
-#include "export/character_view.h"
+#include "base/status.h"
+#include "commands/moving_region.h"
+#include "commands/pose_evaluator.h"
+#include "export/character_appearance.h"
 #include "render/palette_png.h"
 #include "render/pose_renderer.h"
 
 namespace fb::tool {
 namespace {
 
-constexpr int thumbnail_pixels = 192;  // about 6 KB; file managers show it at 128 to 256
+// File managers show it at 128 to 256. 2 to 7 KB of clay, up to 20 KB with textures, and never more than 38 KB.
+constexpr int thumbnail_pixels = 192;
 
-std::vector<std::byte> draw_rest(const MeshView& mesh, const char* up_axis, const Parallel& parallel) {
-  const Resolution size = {thumbnail_pixels, thumbnail_pixels};
-  const PoseRenderer renderer(mesh, {}, up_axis, View{}, size, parallel);
-  return palette_png(renderer.draw(mesh.points));
+fb_status draw(void* user, const void* archive, std::uint64_t archive_bytes, void* png, std::uint64_t* png_bytes,
+               char* message, std::uint32_t message_size) {
+  const auto failed = [&](fb_status status, const std::string& reason) {
+    if (message_size > 0) message[reason.copy(message, message_size - 1)] = '\0';
+    return status;
+  };
+  try {
+    const facebaker::Model model(archive, archive_bytes);
+    const std::vector<std::byte> picture = draw_thumbnail(model, *static_cast<const Parallel*>(user));
+    *png_bytes = picture.size();
+    std::copy_n(picture.data(), std::min<std::size_t>(picture.size(), FB_THUMBNAIL_BYTES),
+                static_cast<std::byte*>(png));
+    return FB_OK;
+  } catch (const facebaker::Error& error) {
+    return failed(error.status(), error.what());
+  } catch (const Error& error) {
+    return failed(static_cast<fb_status>(error.status()), error.what());
+  } catch (const std::bad_alloc&) {
+    return failed(FB_ERROR_OUT_OF_MEMORY, "out of memory");
+  }
 }
 
 }  // namespace
 
-std::vector<std::byte> draw_thumbnail(const facebaker::Source& source, const Parallel& parallel) {
-  const fb_source_info info = facebaker::SourceView(source).info();
-  return draw_rest({{info.rest_positions, std::size_t{3} * info.vertex_count},
-                    {info.polygon_sizes, info.polygon_count},
-                    {info.polygon_corners, info.polygon_corner_count}},
-                   info.up_axis, parallel);
+std::vector<std::byte> draw_thumbnail(const facebaker::Model& model, const Parallel& parallel) {
+  PoseEvaluator evaluator(model, parallel);
+  const CharacterView& character = evaluator.character();
+  View view;
+  view.region = moving_region(evaluator);
+  const PoseRenderer renderer(character.mesh, {}, character.up_axis, view, {thumbnail_pixels, thumbnail_pixels},
+                              parallel, appearance_of(character));
+  return palette_png(renderer.draw(character.mesh.points));
 }
 
-std::vector<std::byte> draw_thumbnail(const facebaker::Model& model, const Parallel& parallel) {
-  return draw_rest(mesh_of(model), fb_up_axis(model.get()), parallel);
+void draw_thumbnail_of(fb_bake_desc& bake, Parallel& parallel) {
+  bake.draw_thumbnail = draw;
+  bake.thumbnail_user = &parallel;
 }
 
 }  // namespace fb::tool
