@@ -11,7 +11,8 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t poses_in_memory = 128;  // 9 MB of 6,000 vertices
+// Of evaluate_each: 9 MB of 6,000 vertices, and of larger faces so many bytes, unless that is fewer than some poses.
+constexpr std::size_t poses_in_memory = 128, fewest_in_memory = 16, wanted_bytes = std::size_t{1} << 26;
 constexpr std::size_t bytes_in_memory = std::size_t{1} << 28;
 constexpr std::chrono::microseconds slow_pose{500};
 // A pose is kept if the rig takes so many times as long for it as the disk: few that are kept are asked for again. The
@@ -332,7 +333,9 @@ void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, cons
   std::vector<float> controls, points;
   const auto pose = [&](std::size_t i) { return std::span(controls).subspan(i * width, width); };
   // More than poses_in_memory only where the rig wants more at once, and then not many bytes.
-  const std::size_t most = std::max(poses_in_memory, std::min(backend_->least_poses(), bytes_in_memory / (4 * size)));
+  const std::size_t pose_bytes = sizeof(float) * size;
+  const std::size_t most = std::max(std::clamp(wanted_bytes / pose_bytes, fewest_in_memory, poses_in_memory),
+                                    std::min(backend_->least_poses(), bytes_in_memory / pose_bytes));
   for (std::size_t first = 0; first < count; first += most) {
     const std::size_t poses = std::min(most, count - first);
     controls.clear();

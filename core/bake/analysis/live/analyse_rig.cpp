@@ -24,7 +24,7 @@ RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progr
   const EvaluationBudget budget(rig, options.rig_budget);
   RigAnalysis analysis;
   std::vector<ControlCurve> curves = fit_excitations(rig, options, analysis.motion, progress);
-  const DenseDifferences dense = evaluate_differences(rig, options.seed, progress);
+  DenseDifferences dense = evaluate_differences(rig, options.seed, progress);
   const std::vector<float> dense_motion = difference_motion(dense, {}, Statistic::largest, rig);
   for (std::size_t i = 0; i < dense_motion.size(); ++i)
     analysis.motion[i] = std::max(analysis.motion[i], dense_motion[i]);
@@ -37,11 +37,14 @@ RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progr
     analysis.linear_controls += curve.part.shapes.size() == 1 && curve.steps.empty();
   }
   append(analysis.base, parts);
+  const std::size_t judged = dense.displacements.size() / rig.coordinate_count();  // poses
   std::optional<CorrectiveSearch> correctives(std::in_place, rig, options, curves, dense, analysis.base, progress);
   if (options.max_pairs > 0) correctives->find(2, options.max_pairs);
   if (add_joint_steps(rig, options, *correctives, curves, progress)) {
     analysis.base = {};
     append(analysis.base, parts);
+    correctives.reset();
+    evaluate_displacements(rig, judged, dense, progress);
     correctives.emplace(rig, options, curves, dense, analysis.base, progress);
     correctives->find(2, options.max_pairs);
   }

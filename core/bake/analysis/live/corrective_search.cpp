@@ -13,7 +13,8 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t sampled_poses_in_memory = 512;  // whose residuals are held at once: 37 MB of 6,000 vertices
+// Poses whose residuals are held at once: 37 MB of 6,000 vertices, but no more than 128 MB.
+constexpr std::size_t sampled_poses_in_memory = 512, sampled_bytes_in_memory = std::size_t{1} << 27;
 constexpr std::size_t most_inner_pairs = 10000;  // candidates up to which a position inside the ranges is tried too
 // Beyond pairs, candidates are ranked in batches of so many for every corrective wanted: all by one pose, some of them
 // by their subsets too. The next batch is ranked while fewer interact than are wanted. On Aura, where few do, ten
@@ -111,10 +112,16 @@ void subtract_subsets(const std::vector<std::vector<std::uint8_t>>& points, std:
     }
 }
 
+// Of the poses whose displacements are there.
+std::vector<float> first_controls(const DenseDifferences& dense, const RigEvaluator& rig) {
+  const std::size_t poses = dense.displacements.size() / rig.coordinate_count();
+  return {dense.controls.begin(), dense.controls.begin() + static_cast<std::ptrdiff_t>(poses * rig.rest_pose().size())};
+}
+
 }  // namespace
 
 CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options,
-                                   const std::vector<ControlCurve>& curves, const DenseDifferences& dense,
+                                   const std::vector<ControlCurve>& curves, DenseDifferences& dense,
                                    SparseBlendshapes& base, Progress& progress)
     : rig_(rig),
       options_(options),
@@ -124,7 +131,7 @@ CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& opt
       progress_(progress),
       curve_errors_(measure_curves(rig, curves, progress)),
       curve_residual_motion_(difference_motion(dense, base, Statistic::largest, rig)),
-      dense_poses_(dense.controls, dense.displacements, rig.rest_pose(), rig.parallel()) {
+      dense_poses_(first_controls(dense, rig), std::move(dense.displacements), rig.rest_pose(), rig.parallel()) {
   for (const ControlCurve& curve : curves) dense_poses_.add(curve.part, 1);
   note_error("activation curves");
 }
@@ -262,11 +269,12 @@ void CorrectiveSearch::evaluate_candidates(const char* stage_name, std::span<Can
     progress_.note(format("the budget of rig calls leaves %zu of %zu candidates out of \"%s\"",
                           candidates.size() - samplings.size(), candidates.size(), stage_name));
   EvaluationStage stage(progress_, Phase::analysis, stage_name, total);
+  const std::size_t most =
+      std::min(sampled_poses_in_memory, sampled_bytes_in_memory / (sizeof(float) * rig_.coordinate_count()));
   for (std::size_t begin = 0; begin < samplings.size();) {
     std::vector<std::size_t> first;  // residual of each candidate of this block
     std::size_t end = begin, poses = 0;
-    for (; end < samplings.size() && (end == begin || poses + samplings[end].size() <= sampled_poses_in_memory);
-         ++end) {
+    for (; end < samplings.size() && (end == begin || poses + samplings[end].size() <= most); ++end) {
       first.push_back(poses);
       poses += samplings[end].size();
     }

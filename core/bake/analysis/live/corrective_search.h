@@ -22,7 +22,7 @@ class CorrectiveSearch {
  public:
   // All must outlive it. `base` holds the curves; correctives are added to it.
   CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options, const std::vector<ControlCurve>& curves,
-                   const DenseDifferences& dense, SparseBlendshapes& base, Progress& progress);
+                   DenseDifferences& dense, SparseBlendshapes& base, Progress& progress);
 
   // Adds at most `most` correctives of `order` controls that move the surface, and of driven joints alone, see
   // AnalysisOptions; 2 first, then 3, then 4.

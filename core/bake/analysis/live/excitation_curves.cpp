@@ -11,7 +11,9 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t controls_at_once = 24;  // whose samples are in memory together, at most 24 a side
+// Controls whose samples, at most 24 a side, are in memory together; fewer of large faces, so that a common number of
+// samples each takes so many bytes.
+constexpr std::size_t most_controls_at_once = 24, common_samples = 32, sample_bytes = std::size_t{1} << 28;
 constexpr int refinement_rounds = 5;
 constexpr int initial_samples = 8;   // of a side
 constexpr int validation_draws = 3;  // of a side
@@ -23,11 +25,11 @@ struct ControlPosition {
   double position;
 };
 
-void insert(CurveSamples& samples, double position, std::span<const float> displacement) {
+void insert(CurveSamples& samples, double position, std::vector<float> displacement) {
   const auto at =
       std::lower_bound(samples.positions.begin(), samples.positions.end(), position) - samples.positions.begin();
   samples.positions.insert(samples.positions.begin() + at, position);
-  samples.displacements.emplace(samples.displacements.begin() + at, displacement.begin(), displacement.end());
+  samples.displacements.insert(samples.displacements.begin() + at, std::move(displacement));
 }
 
 // `per_side` evenly spaced positions on both sides of controls [begin, end).
@@ -112,7 +114,7 @@ class ControlSampler {
           displacements[i].assign(displacement.begin(), displacement.end());
         });
     for (std::size_t i = 0; i < positions.size(); ++i)
-      insert(samples_[positions[i].control - begin_], positions[i].position, displacements[i]);
+      insert(samples_[positions[i].control - begin_], positions[i].position, std::move(displacements[i]));
     return true;
   }
 
@@ -141,6 +143,8 @@ std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptio
   if (per_side < initial_samples)
     progress.note(format("the budget of rig calls allows for %d of %d initial samples on each side of a control",
                          per_side, initial_samples));
+  const std::size_t controls_at_once = std::clamp<std::size_t>(
+      sample_bytes / (common_samples * sizeof(float) * rig.coordinate_count()), 2, most_controls_at_once);
   for (std::size_t begin = 0; begin < width; begin += controls_at_once) {
     const std::size_t end = std::min(width, begin + controls_at_once);
     const std::size_t reserved = even_positions(schema, end, width, per_side).size();

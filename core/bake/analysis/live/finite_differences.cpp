@@ -15,6 +15,8 @@ namespace {
 // Differences of each control. With 64, regions and inputs of the sample face came out worse: an mse of 2.4e-7 instead
 // of 1.1e-7. add_missed_correctives looks for what so few do not show.
 constexpr std::size_t most_probing_rounds = 16;
+// Of displacements: those that parts of a base are judged by later, and those that are evaluated at once.
+constexpr std::size_t kept_bytes = std::size_t{1} << 28, block_bytes = std::size_t{1} << 26;
 
 // In every round, each control in random order, `per_pose` of them sharing a pose.
 std::vector<FiniteDifference> plan_differences(const RigSchema& schema, std::uint64_t seed, std::size_t rounds,
@@ -48,30 +50,52 @@ std::vector<float> draw_dense_poses(const RigSchema& schema, std::uint64_t seed,
   return controls;
 }
 
-// Evaluates the poses of the differences once more, with the control at rest where it is active, active where it is at
-// rest.
-void evaluate_changed_poses(RigEvaluator& rig, DenseDifferences& dense, EvaluationStage& stage) {
+// Evaluates poses first.. of the dense ones.
+void evaluate_poses(RigEvaluator& rig, const DenseDifferences& dense, std::size_t first, std::span<float> displacements,
+                    EvaluationStage& stage) {
+  const std::size_t width = rig.rest_pose().size(), size = rig.coordinate_count();
+  rig.evaluate_each(
+      displacements.size() / size, stage,
+      [&](std::size_t i, std::span<float> pose) {
+        std::copy_n(dense.controls.begin() + static_cast<std::ptrdiff_t>((first + i) * width), width, pose.begin());
+      },
+      [&](std::size_t i, std::span<const float>, std::span<float> displacement) {
+        std::copy(displacement.begin(), displacement.end(),
+                  displacements.begin() + static_cast<std::ptrdiff_t>(i * size));
+      });
+}
+
+// Evaluates the poses of some differences once more, with the control at rest where it is active, active where it is at
+// rest. displacements: of the dense poses from `first` on.
+void evaluate_changed_poses(RigEvaluator& rig, const DenseDifferences& dense, std::size_t first,
+                            std::span<const float> displacements, std::span<FiniteDifference> differences,
+                            EvaluationStage& stage) {
   const std::size_t width = rig.rest_pose().size(), size = rig.coordinate_count();
   const auto controls_of = [&](std::size_t p) { return std::span(dense.controls).subspan(p * width, width); };
   const double drop = 2e-6 * rig.diagonal();
   rig.evaluate_each(
-      dense.differences.size(), stage,
+      differences.size(), stage,
       [&](std::size_t i, std::span<float> pose) {
-        const FiniteDifference& difference = dense.differences[i];
+        const FiniteDifference& difference = differences[i];
         const std::span<const float> from = controls_of(difference.pose);
         std::copy(from.begin(), from.end(), pose.begin());
         const float rest = rig.rest_pose()[difference.control];
         pose[difference.control] = from[difference.control] != rest ? rest : difference.value;
       },
       [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
-        FiniteDifference& difference = dense.differences[i];
-        const float* base = dense.displacements.data() + difference.pose * size;
+        FiniteDifference& difference = differences[i];
+        const float* base = displacements.data() + (difference.pose - first) * size;
         const bool was_active = pose[difference.control] == rig.rest_pose()[difference.control];
         const float sign = was_active ? -1.0f : 1.0f;
         for (std::size_t k = 0; k < size; ++k) displacement[k] = sign * (displacement[k] - base[k]);
         if (was_active) difference.value = controls_of(difference.pose)[difference.control];
         difference.moved = make_sparse(0, displacement, drop);
       });
+}
+
+// Poses whose displacements take so many bytes, one at least.
+std::size_t poses_in(std::size_t bytes, const RigEvaluator& rig) {
+  return std::max<std::size_t>(1, bytes / (sizeof(float) * rig.coordinate_count()));
 }
 
 }  // namespace
@@ -89,19 +113,30 @@ DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Pro
   dense.poses = rounds * poses;
   dense.differences = plan_differences(schema, seed, rounds, per_pose);
   dense.controls = draw_dense_poses(schema, seed, dense.poses);
-  dense.displacements.resize(dense.poses * size);
+  dense.displacements.resize(std::min(dense.poses, poses_in(kept_bytes, rig)) * size);
   EvaluationStage stage(progress, Phase::analysis, "evaluating dense poses", dense.poses + dense.differences.size());
-  rig.evaluate_each(
-      dense.poses, stage,
-      [&](std::size_t p, std::span<float> pose) {
-        std::copy_n(dense.controls.begin() + static_cast<std::ptrdiff_t>(p * width), width, pose.begin());
-      },
-      [&](std::size_t p, std::span<const float>, std::span<float> displacement) {
-        std::copy(displacement.begin(), displacement.end(),
-                  dense.displacements.begin() + static_cast<std::ptrdiff_t>(p * size));
-      });
-  evaluate_changed_poses(rig, dense, stage);
+  const std::size_t most = poses_in(block_bytes, rig);
+  std::vector<float> displacements;
+  auto begin = dense.differences.begin();  // of a block: they are in the order of poses
+  for (std::size_t first = 0; first < dense.poses; first += most) {
+    const std::size_t count = std::min(most, dense.poses - first);
+    displacements.resize(count * size);
+    evaluate_poses(rig, dense, first, displacements, stage);
+    const auto end = std::find_if(begin, dense.differences.end(),
+                                  [&](const FiniteDifference& difference) { return difference.pose >= first + count; });
+    evaluate_changed_poses(rig, dense, first, displacements, {begin, end}, stage);
+    begin = end;
+    const std::size_t kept = std::min(first * size, dense.displacements.size());
+    std::copy_n(displacements.begin(), std::min(displacements.size(), dense.displacements.size() - kept),
+                dense.displacements.begin() + static_cast<std::ptrdiff_t>(kept));
+  }
   return dense;
+}
+
+void evaluate_displacements(RigEvaluator& rig, std::size_t poses, DenseDifferences& dense, Progress& progress) {
+  EvaluationStage stage(progress, Phase::analysis, "evaluating dense poses", poses);
+  dense.displacements.resize(poses * rig.coordinate_count());
+  evaluate_poses(rig, dense, 0, dense.displacements, stage);
 }
 
 std::vector<float> difference_motion(const DenseDifferences& dense, const SparseBlendshapes& base, Statistic statistic,
