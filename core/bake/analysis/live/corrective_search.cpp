@@ -13,7 +13,7 @@
 namespace fb::bake {
 namespace {
 
-// Poses whose residuals are held at once: 37 MB of 6,000 vertices, but no more than 128 MB.
+// Poses whose residuals are held at once: 37 MB of 6,000 vertices, but no more than 128 MiB.
 constexpr std::size_t sampled_poses_in_memory = 512, sampled_bytes_in_memory = std::size_t{1} << 27;
 constexpr std::size_t most_inner_pairs = 10000;  // candidates up to which a position inside the ranges is tried too
 // Beyond pairs, candidates are ranked in batches of so many for every corrective wanted: all by one pose, some of them

@@ -16,7 +16,7 @@ namespace {
 // of 1.1e-7. add_missed_correctives looks for what so few do not show.
 constexpr std::size_t most_probing_rounds = 16;
 // Of displacements: those that parts of a base are judged by later, and those that are evaluated at once.
-constexpr std::size_t kept_bytes = std::size_t{1} << 28, block_bytes = std::size_t{1} << 26;
+constexpr std::size_t kept_bytes = std::size_t{160} << 20, block_bytes = std::size_t{1} << 26;
 
 // In every round, each control in random order, `per_pose` of them sharing a pose.
 std::vector<FiniteDifference> plan_differences(const RigSchema& schema, std::uint64_t seed, std::size_t rounds,

@@ -24,7 +24,7 @@ struct DenseDifferences {
 };
 
 // 16 differences of each control; fewer where the budget asks for it. Of large faces not all poses are kept, but as
-// many as fit 256 MB.
+// many as fit 160 MiB.
 DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Progress& progress);
 
 // Evaluates the displacements once more, where they have been moved elsewhere.
