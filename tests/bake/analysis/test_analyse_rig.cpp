@@ -245,6 +245,23 @@ TEST_CASE("the analysis evaluates no single control that sampling has evaluated"
   CHECK(analysis.residual_motion == expected.residual_motion);
 }
 
+TEST_CASE("dense poses judge what has been found so far") {
+  MemorySource rig = make_rig();
+  test::Notes notes;
+  analyse(rig, {}, notes);
+  const auto rms_of = [&](const char* stage) {
+    double rms = -1;
+    const std::size_t line = notes.all.find(stage), number = notes.all.find("active: ", line);
+    REQUIRE(line != std::string::npos);
+    REQUIRE(std::sscanf(notes.all.c_str() + number, "active: %lf of the diagonal", &rms) == 1);
+    return rms;
+  };
+  CAPTURE(notes.all);
+  const double curves = rms_of("activation curves");
+  CHECK(curves < 0.1);
+  CHECK(rms_of("correctives of 2 controls") < 0.5 * curves);
+}
+
 TEST_CASE("a budget is kept, and what it leaves out is noted") {
   const std::uint64_t plenty = analyse_formula({}).rig_calls;
   for (const std::uint64_t budget : {8u, 60u, 150u, 300u}) {

@@ -112,10 +112,11 @@ void subtract_subsets(const std::vector<std::vector<std::uint8_t>>& points, std:
     }
 }
 
-// Of the poses whose displacements are there.
-std::vector<float> first_controls(const DenseDifferences& dense, const RigEvaluator& rig) {
+// Of the poses whose displacements are there, which are moved to it.
+HoldoutSet judging_poses(DenseDifferences& dense, const RigEvaluator& rig) {
   const std::size_t poses = dense.displacements.size() / rig.coordinate_count();
-  return {dense.controls.begin(), dense.controls.begin() + static_cast<std::ptrdiff_t>(poses * rig.rest_pose().size())};
+  const auto end = dense.controls.begin() + static_cast<std::ptrdiff_t>(poses * rig.rest_pose().size());
+  return {{dense.controls.begin(), end}, std::move(dense.displacements), rig.rest_pose(), rig.parallel()};
 }
 
 }  // namespace
@@ -131,7 +132,7 @@ CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& opt
       progress_(progress),
       curve_errors_(measure_curves(rig, curves, progress)),
       curve_residual_motion_(difference_motion(dense, base, Statistic::largest, rig)),
-      dense_poses_(first_controls(dense, rig), std::move(dense.displacements), rig.rest_pose(), rig.parallel()) {
+      dense_poses_(judging_poses(dense, rig)) {
   for (const ControlCurve& curve : curves) dense_poses_.add(curve.part, 1);
   note_error("activation curves");
 }
