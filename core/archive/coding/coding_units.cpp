@@ -24,10 +24,6 @@ class VertexNeighbours {
   }
 
   std::span<const std::uint32_t> of(std::uint32_t vertex) const { return {list_[vertex].data(), count_[vertex]}; }
-  bool connected(std::uint32_t v, std::uint32_t w) const {
-    const auto list = of(v);
-    return std::find(list.begin(), list.end(), w) != list.end();
-  }
   bool is_coded(std::uint32_t vertex) const { return time_[vertex] > 0; }
   // When a vertex was coded last, counted in coding units; 0: not yet.
   std::uint32_t time(std::uint32_t vertex) const { return time_[vertex]; }
@@ -39,9 +35,13 @@ class VertexNeighbours {
   // The coded neighbours of a vertex.
   std::uint32_t coded_count(std::uint32_t vertex) const { return coded_count_[vertex]; }
 
- private:
   static constexpr std::size_t max_neighbours = 16;
 
+ private:
+  bool connected(std::uint32_t v, std::uint32_t w) const {
+    const auto list = of(v);
+    return std::find(list.begin(), list.end(), w) != list.end();
+  }
   void connect(std::uint32_t v, std::uint32_t w) {
     if (v == w || count_[v] == max_neighbours || count_[w] == max_neighbours || connected(v, w)) return;
     list_[v][count_[v]++] = w;
@@ -57,6 +57,8 @@ class VertexNeighbours {
 
 // Ranks vertices and finds the candidate predictors of coding units.
 class PredictorFinder {
+  static constexpr std::size_t most_predicting = 4;  // coded neighbours
+
  public:
   PredictorFinder(std::uint32_t vertices, std::pmr::memory_resource& memory)
       : ranks_(vertices, unset, &memory), surroundings_(vertices, &memory), no_rank_(vertices) {}
@@ -68,15 +70,16 @@ class PredictorFinder {
       if (mesh.is_coded(w)) coded_.push_back(w);
     std::sort(coded_.begin(), coded_.end(), [&](auto v, auto w) { return mesh.time(v) > mesh.time(w); });
     unit.rank = rank(vertex);
-    coded_.resize(std::min<std::size_t>(coded_.size(), 4));
+    coded_.resize(std::min<std::size_t>(coded_.size(), most_predicting));
 
     candidates_.clear();
     find_surroundings(vertex, mesh);
-    add_parallelograms(mesh);
+    find_beyond(mesh);
+    add_parallelograms();
     if (coded_.empty()) candidates_.push_back({no_rank_, no_rank_, no_rank_});
     for (std::size_t i = 0; i < coded_.size() && i < 2; ++i)
       candidates_.push_back({ranks_[coded_[i]], no_rank_, no_rank_});
-    add_extrapolations(mesh);
+    add_extrapolations();
     unit.predictor_count = static_cast<std::uint8_t>(candidates_.size());
     return candidates_;
   }
@@ -92,56 +95,72 @@ class PredictorFinder {
     ++now_;
     for (const std::uint32_t u : mesh.of(vertex))
       for (const std::uint32_t w : mesh.of(u)) {
-        if (surroundings_[w].time != now_) surroundings_[w] = {now_, 0, false};
-        ++surroundings_[w].neighbours;
+        const std::uint32_t before = surroundings_[w].time == now_ ? surroundings_[w].neighbours : 0;
+        surroundings_[w] = {now_, before + 1};
       }
-    for (const std::uint32_t u : mesh.of(vertex))
-      if (surroundings_[u].time == now_) surroundings_[u].inside = true;
-    surroundings_[vertex].inside = true;
+    for (const std::uint32_t u : mesh.of(vertex)) surroundings_[u] = {now_, 0};
+    surroundings_[vertex] = {now_, 0};
   }
-  // Of a vertex next to a neighbour: it is neither `vertex` nor a neighbour of it, but next to so many neighbours.
-  bool is_beyond(std::uint32_t w, bool one_neighbour) const {
-    const Surroundings& around = surroundings_[w];
-    return !around.inside && (around.neighbours == 1) == one_neighbour;
+  // Finds, of the vertices next to each coded neighbour that are coded, and neither `vertex` nor a neighbour of it,
+  // those next to several neighbours, and the one coded last of those next to this neighbour alone.
+  void find_beyond(const VertexNeighbours& mesh) {
+    for (std::size_t i = 0; i < coded_.size(); ++i) {
+      Beyond& beyond = beyond_[i];
+      beyond.shared_count = 0;
+      beyond.alone = {no_vertex, 0};
+      for (const std::uint32_t w : mesh.of(coded_[i])) {
+        const Surroundings& around = surroundings_[w];
+        const std::uint32_t time = mesh.time(w);
+        if (around.neighbours == 0 || time == 0) continue;
+        if (around.neighbours > 1)
+          beyond.shared[beyond.shared_count++] = {w, time};
+        else if (time > beyond.alone.time)
+          beyond.alone = {w, time};
+      }
+    }
   }
 
-  // Two coded neighbours and a vertex across the edge between them.
-  void add_parallelograms(const VertexNeighbours& mesh) {
+  // Two coded neighbours and a vertex across the edge between them, which both are next to: the one coded last.
+  void add_parallelograms() {
     for (std::size_t i = 0; i < coded_.size(); ++i)
       for (std::size_t j = i + 1; j < coded_.size(); ++j) {
-        const auto across = last_coded(
-            mesh, coded_[i], [&](std::uint32_t w) { return is_beyond(w, false) && mesh.connected(w, coded_[j]); });
-        if (across != no_vertex) candidates_.push_back({ranks_[coded_[i]], ranks_[coded_[j]], ranks_[across]});
+        CodedVertex across = {no_vertex, 0};
+        for (const CodedVertex& first : beyond_[i].all_shared())
+          for (const CodedVertex& second : beyond_[j].all_shared())
+            if (first.vertex == second.vertex && first.time > across.time) across = first;
+        if (across.vertex != no_vertex)
+          candidates_.push_back({ranks_[coded_[i]], ranks_[coded_[j]], ranks_[across.vertex]});
       }
   }
 
   // Linear extrapolation along an edge loop: a coded neighbour and the vertex beyond it.
-  void add_extrapolations(const VertexNeighbours& mesh) {
-    for (const std::uint32_t neighbour : coded_) {
-      const auto beyond = last_coded(mesh, neighbour, [&](std::uint32_t w) { return is_beyond(w, true); });
-      if (beyond != no_vertex) candidates_.push_back({ranks_[neighbour], ranks_[neighbour], ranks_[beyond]});
-    }
+  void add_extrapolations() {
+    for (std::size_t i = 0; i < coded_.size(); ++i)
+      if (const std::uint32_t alone = beyond_[i].alone.vertex; alone != no_vertex)
+        candidates_.push_back({ranks_[coded_[i]], ranks_[coded_[i]], ranks_[alone]});
   }
 
-  // Of the coded neighbours of `vertex` that satisfy the condition, the one coded last.
-  template <class Condition>
-  static std::uint32_t last_coded(const VertexNeighbours& mesh, std::uint32_t vertex, const Condition& condition) {
-    std::uint32_t last = no_vertex;
-    for (const std::uint32_t w : mesh.of(vertex))
-      if (mesh.is_coded(w) && (last == no_vertex || mesh.time(w) > mesh.time(last)) && condition(w)) last = w;
-    return last;
-  }
+  struct CodedVertex {
+    std::uint32_t vertex, time;
+  };
+  // What lies beyond a coded neighbour.
+  struct Beyond {
+    std::array<CodedVertex, VertexNeighbours::max_neighbours> shared;
+    std::size_t shared_count;
+    CodedVertex alone;
+    std::span<const CodedVertex> all_shared() const { return {shared.data(), shared_count}; }
+  };
 
   struct Surroundings {
     std::uint32_t time;        // of find_surroundings; else the rest is of a vertex before
-    std::uint16_t neighbours;  // of the vertex, next to this one
-    bool inside;               // the vertex itself or one of its neighbours
+    std::uint32_t neighbours;  // of the vertex, next to this one; 0: it is the vertex itself or one of its neighbours
   };
 
   std::pmr::vector<std::uint32_t> ranks_;
   std::pmr::vector<Surroundings> surroundings_;
   std::uint32_t no_rank_, next_rank_ = 0, now_ = 0;
-  std::vector<std::uint32_t> coded_;  // neighbours of the current vertex
+  std::vector<std::uint32_t> coded_;                 // neighbours of the current vertex
+  std::array<Beyond, most_predicting> beyond_ = {};  // by coded neighbour
   std::vector<Predictor> candidates_;
 };
 
