@@ -89,6 +89,8 @@ runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   if (desc.unskinned > 1)
     fail(Status::invalid_argument, "fb_batch_desc: unskinned %u, neither 0 nor 1", desc.unskinned);
   batch.unskinned = desc.unskinned == 1;
+  if (desc.spread > 1) fail(Status::invalid_argument, "fb_batch_desc: spread %u, neither 0 nor 1", desc.spread);
+  batch.spread = desc.spread == 1;
   if (desc.bounds) batch.bounds = {desc.bounds, size_of(desc.bounds_floats), size_of(desc.bounds_pose_stride)};
   return batch;
 }

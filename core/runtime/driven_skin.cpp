@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 
 #include "model/joint_rotation.h"
 
@@ -132,7 +133,7 @@ void DrivenSkin::find_blocks(const PackedModel& model, std::pmr::memory_resource
     const VertexRange range = range_of(block);
     return range.begin < range.end && influences_.row_offsets[range.begin] < influences_.row_offsets[range.end];
   };
-  const auto count = static_cast<std::size_t>(std::ranges::count_if(model.row_blocks, follows));
+  const auto count = static_cast<std::size_t>(std::count_if(model.row_blocks.begin(), model.row_blocks.end(), follows));
   blocks_.reserve(count);
   CsrBuilder<std::uint32_t> joints(count, 0, heap);
   std::pmr::vector<std::uint32_t> last_block(joints_.size(), UINT32_MAX, &heap);
@@ -251,8 +252,9 @@ void DrivenSkin::find_matrices(const float* rows, State& state) const {
       std::fill_n(matrix, joint_matrix_floats, 0.0f);
     state.moved[j] = !still || below;
   }
-  state.finite = std::ranges::all_of(state.matrices, [](const JointMatrix& matrix) {
-    return std::ranges::all_of(matrix.numbers, [](float number) { return std::isfinite(number); });
+  state.finite = std::all_of(state.matrices.begin(), state.matrices.end(), [](const JointMatrix& matrix) {
+    return std::all_of(std::begin(matrix.numbers), std::end(matrix.numbers),
+                       [](float number) { return std::isfinite(number); });
   });
 }
 
@@ -260,8 +262,8 @@ bool DrivenSkin::run(const PoseKernels& kernels, std::size_t block, std::uint32_
                      float* rows) const {
   const VertexRange range = blocks_[block].vertices;
   const auto joints = block_joints_.row(block);
-  if (range.begin >= end || std::ranges::none_of(joints, [&](std::uint32_t joint) { return state.moved[joint] != 0; }))
-    return false;
+  const auto moved = [&](std::uint32_t joint) { return state.moved[joint] != 0; };
+  if (range.begin >= end || std::none_of(joints.begin(), joints.end(), moved)) return false;
   const SkinTable table = {influences_.row_offsets.data(), influences_.entries.data()};
   const float* const matrices = state.matrices.data()->numbers;
   if (!state.finite) {  // a weight of 0 would not leave them out

@@ -57,7 +57,10 @@ struct Batch {
   bool unskinned = false;      // positions, normals, tangents: before driven joints move vertices
   PoseFloats joints = {};      // frames of driven joints, 12 each
   PoseFloats bounds = {};      // 6 a pose, see PoseOutput::bounds
+  // Whether workers share poses where there are more of them than poses, of faces of spread_vertices or more.
+  bool spread = false;
 };
+inline constexpr std::size_t spread_vertices = 50'000;
 
 // Evaluates poses of one model. Immutable: any number of threads may evaluate at once, each with its own Workspace.
 // Evaluating allocates nothing, takes no locks, calls no libm and has a fixed order of operations: the same controls
@@ -127,6 +130,8 @@ class Evaluator {
   void evaluate_batch(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel = {}) const;
 
  private:
+  class BatchPoses;
+  void evaluate_spread(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel) const;
   void check_batch(const Batch& batch) const;
   void check_errors(const Batch& batch) const;
   std::size_t check_detail(const Batch& batch) const;

@@ -130,32 +130,64 @@ void Evaluator::check_errors(const Batch& batch) const {
          error_count());
 }
 
+// What a pose of a batch is evaluated from, and where to.
+class Evaluator::BatchPoses {
+ public:
+  BatchPoses(const Evaluator& face, const Batch& batch)
+      : face_(face),
+        batch_(batch),
+        control_stride_(batch.control_stride ? batch.control_stride : face.control_count()),
+        error_stride_(batch.errors.pose_stride ? batch.errors.pose_stride : face.error_count()) {}
+
+  std::size_t control_stride() const { return control_stride_; }
+  const float* controls(std::size_t pose) const { return batch_.controls.data() + pose * control_stride_; }
+  PoseOutput output(std::size_t pose) const {
+    const std::size_t vertices = face_.vertex_count();
+    return {output_of(batch_, batch_.positions, pose, vertices),
+            output_of(batch_, batch_.normals, pose, vertices),
+            output_of(batch_, batch_.tangents, pose, vertices),
+            floats_of(batch_.sockets, pose, SocketFrames::frame_floats * face_.socket_count()),
+            floats_of(batch_.channels, pose, face_.channel_count()),
+            floats_of(batch_.bounds, pose, bounds_floats),
+            floats_of(batch_.joints, pose, DrivenSkin::frame_floats * face_.joint_count()),
+            batch_.displacements,
+            batch_.unskinned};
+  }
+  void write_errors(std::size_t pose, Workspace& workspace) const {
+    const auto [first, size, stride, outside] = batch_.errors;
+    if (!first && !outside) return;
+    face_.layout().errors.run(controls(pose), first ? first + pose * error_stride_ : nullptr,
+                              outside ? outside + pose : nullptr, workspace.errors_);
+  }
+
+ private:
+  const Evaluator& face_;
+  const Batch& batch_;
+  const std::size_t control_stride_, error_stride_;
+};
+
+// One pose after the other, each by all workers.
+void Evaluator::evaluate_spread(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel) const {
+  const BatchPoses poses(*this, batch);
+  PoseExecution execution(layout_, batch.masks, workspaces, Spread(parallel, worker_count(parallel)));
+  with_float_mode([&] {
+    for (std::size_t pose = 0; pose < batch.poses; ++pose) {
+      execution.run_pose(poses.controls(pose), poses.output(pose));
+      poses.write_errors(pose, workspaces[0]);
+    }
+  });
+}
+
 void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel) const {
   if (workspaces.empty()) fail(Status::invalid_argument, "a batch needs a workspace");
   check_batch(batch);
-  const std::size_t control_stride = batch.control_stride ? batch.control_stride : control_count();
   Parallel within = parallel;
   within.threads = static_cast<int>(std::min(worker_count(parallel), workspaces.size()));
   for (Workspace& workspace : workspaces) workspace.clamped_ = workspace.poses_ = 0;
-  const std::size_t vertices = vertex_count(), workers = worker_count(within);
-  const std::size_t error_stride = batch.errors.pose_stride ? batch.errors.pose_stride : error_count();
-  const auto errors_of = [&](std::size_t pose, Workspace& workspace) {
-    const auto [first, size, stride, outside] = batch.errors;
-    if (!first && !outside) return;
-    layout_.errors.run(batch.controls.data() + pose * control_stride, first ? first + pose * error_stride : nullptr,
-                       outside ? outside + pose : nullptr, workspace.errors_);
-  };
-  const auto output_at = [&](std::size_t pose) {
-    return PoseOutput{output_of(batch, batch.positions, pose, vertices),
-                      output_of(batch, batch.normals, pose, vertices),
-                      output_of(batch, batch.tangents, pose, vertices),
-                      floats_of(batch.sockets, pose, SocketFrames::frame_floats * socket_count()),
-                      floats_of(batch.channels, pose, channel_count()),
-                      floats_of(batch.bounds, pose, bounds_floats),
-                      floats_of(batch.joints, pose, DrivenSkin::frame_floats * joint_count()),
-                      batch.displacements,
-                      batch.unskinned};
-  };
+  const std::size_t workers = worker_count(within);
+  if (batch.spread && batch.poses < workers && vertex_count() >= spread_vertices)
+    return evaluate_spread(batch, workspaces, within);
+  const BatchPoses poses(*this, batch);
   // Whole blocks first, if there are enough for all workers and all have room for them; then the remaining poses.
   const bool in_blocks = std::all_of(workspaces.begin(), workspaces.end(),
                                      [](const Workspace& workspace) { return workspace.block_ == poses_per_block; });
@@ -168,20 +200,19 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
     Workspace& workspace = workspaces[worker];
     PoseExecution execution(layout_, batch.masks, workspace);
     const std::size_t pose = task < blocks ? task * poses_per_block : task + blocks * (poses_per_block - 1);
-    const float* controls = batch.controls.data() + pose * control_stride;
     if (task >= blocks) {
       with_float_mode([&] {
-        execution.run_pose(controls, output_at(pose));
-        errors_of(pose, workspace);
+        execution.run_pose(poses.controls(pose), poses.output(pose));
+        poses.write_errors(pose, workspace);
       });
       ++workspace.poses_;
       return;
     }
     PoseOutput outputs[poses_per_block];
-    for (std::size_t p = 0; p < poses_per_block; ++p) outputs[p] = output_at(pose + p);
+    for (std::size_t p = 0; p < poses_per_block; ++p) outputs[p] = poses.output(pose + p);
     with_float_mode([&] {
-      execution.run_block(controls, control_stride, outputs);
-      for (std::size_t p = 0; p < poses_per_block; ++p) errors_of(pose + p, workspace);
+      execution.run_block(poses.controls(pose), poses.control_stride(), outputs);
+      for (std::size_t p = 0; p < poses_per_block; ++p) poses.write_errors(pose + p, workspace);
     });
     workspace.poses_ += poses_per_block;
   });

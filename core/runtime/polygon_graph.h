@@ -11,6 +11,7 @@
 #include "model/mesh.h"
 #include "runtime/csr_table.h"
 #include "runtime/kernels/pose_kernels.h"
+#include "runtime/spread.h"
 
 namespace fb::runtime {
 
@@ -62,27 +63,30 @@ class PolygonGraph {
 
   // Calls polygons(begin, end) for polygons and then vertices(begin, end) for batches of vertices that can differ from
   // those of the state's last pose. moved: by row block, whether its rows differ from rest.
+  // Both may be called by several threads, for other ranges each.
   template <class Polygons, class Vertices>
-  void run(std::span<const std::uint8_t> moved, State& state, const Polygons& polygons,
+  void run(std::span<const std::uint8_t> moved, State& state, const Spread& spread, const Polygons& polygons,
            const Vertices& vertices) const {
     find_changes(moved, state);
-    for_runs({state.chunk_marks_.data(), chunk_count()}, [&](std::size_t begin, std::size_t end) {
+    for_runs(spread, {state.chunk_marks_.data(), chunk_count()}, [&](std::size_t begin, std::size_t end) {
       polygons(begin * chunk, end * chunk < polygons_ ? end * chunk : polygons_);
     });
-    for_runs({state.batch_marks_.data(), batches_}, vertices);
+    for_runs(spread, {state.batch_marks_.data(), batches_}, vertices);
   }
 
  private:
   void find_changes(std::span<const std::uint8_t> moved, State& state) const;
   template <class Visit>
-  static void for_runs(std::span<const std::uint8_t> marks, const Visit& visit) {
-    for (std::size_t begin = 0; begin < marks.size(); ++begin) {
-      if (!marks[begin]) continue;
-      std::size_t end = begin + 1;
-      while (end < marks.size() && marks[end]) ++end;
-      visit(begin, end);
-      begin = end;
-    }
+  static void for_runs(const Spread& spread, std::span<const std::uint8_t> marks, const Visit& visit) {
+    spread.run_ranges(marks.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t begin = first; begin < last; ++begin) {
+        if (!marks[begin]) continue;
+        std::size_t end = begin + 1;
+        while (end < last && marks[end]) ++end;
+        visit(begin, end);
+        begin = end;
+      }
+    });
   }
 
   std::size_t chunk_count() const { return chunk_blocks_.row_offsets.size() - 1; }

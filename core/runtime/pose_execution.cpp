@@ -162,23 +162,33 @@ void PoseExecution::run_row_block(std::size_t b, const QuantisedInputs& inputs, 
   }
 }
 
+// Row blocks first.. of a pass.
+template <std::size_t poses>
+void PoseExecution::run_pass(std::size_t first, std::int16_t* quantised, const RowTarget& target) {
+  QuantisedInputs inputs[EvaluationLayout::row_blocks_per_pass];
+  const std::size_t end = std::min(first + EvaluationLayout::row_blocks_per_pass, layout_.row_blocks.size());
+  for (std::size_t b = first; b < end; ++b)
+    if (is_posed(b))
+      quantise_inputs<poses>(b, quantised + layout_.row_block_entries(first, b) * poses, inputs[b - first]);
+  for (std::size_t b = first; b < end; ++b) {
+    if (!is_posed(b)) continue;
+    for (std::size_t p = 0; p < poses && target.scattered && b + 1 < end; ++p)
+      prefetch_places(layout_, layout_.row_blocks[b + 1], target.scattered[p].positions);
+    run_row_block<poses>(b, inputs[b - first], target);
+  }
+}
+
 template <std::size_t poses>
 void PoseExecution::run_row_blocks(const RowTarget& target) {
   constexpr std::size_t per_pass = EvaluationLayout::row_blocks_per_pass;
-  QuantisedInputs inputs[per_pass];
-  for (std::size_t first = 0; first < layout_.row_blocks.size(); first += per_pass) {
-    const std::size_t end = std::min(first + per_pass, layout_.row_blocks.size());
-    for (std::size_t b = first; b < end; ++b)
-      if (is_posed(b))
-        quantise_inputs<poses>(b, workspace_.quantised_.data() + layout_.row_block_entries(first, b) * poses,
-                               inputs[b - first]);
-    for (std::size_t b = first; b < end; ++b) {
-      if (!is_posed(b)) continue;
-      for (std::size_t p = 0; p < poses && target.scattered && b + 1 < end; ++p)
-        prefetch_places(layout_, layout_.row_blocks[b + 1], target.scattered[p].positions);
-      run_row_block<poses>(b, inputs[b - first], target);
-    }
-  }
+  const std::size_t passes = (layout_.row_blocks.size() + per_pass - 1) / per_pass;
+  spread_.run(passes, [&](std::size_t pass, std::size_t worker) {
+    Workspace& own = workspaces_[worker];
+    RowTarget of_worker = target;
+    float* const block_rows = own.block_rows_.data();
+    if (target.of_one_block && worker > 0) of_worker.rows = &block_rows;  // one pose: others are not spread
+    run_pass<poses>(pass * per_pass, own.quantised_.data(), of_worker);
+  });
 }
 
 // The vertices that are written, as ranges in baked order.
@@ -204,15 +214,21 @@ void PoseExecution::write(const float* rows, VertexOrder order, const VertexOutp
   const VertexWriter writer(layout_.kernels, {rows, 3 * vertices}, rest,
                             order == output.order ? std::span<const std::uint32_t>() : other, output,
                             workspace_.halves_.data());
-  if (level_only_) return visit_written([&](VertexRange range) { writer.write(range); });
-  if (meshes_.empty()) return writer.write(all_points_ ? layout_.meshes.all() : layout_.meshes.surface());
+  if (level_only_) return visit_written([&](VertexRange range) { write_range(writer, range); });
+  if (meshes_.empty()) return write_range(writer, all_points_ ? layout_.meshes.all() : layout_.meshes.surface());
   for (std::size_t m = 0; m < meshes_.size(); ++m)
     if (meshes_[m]) {
       if (output.order == VertexOrder::source)
-        writer.write(layout_.meshes.source[m]);
+        write_range(writer, layout_.meshes.source[m]);
       else
-        for (const VertexRange range : layout_.meshes.baked.row(m)) writer.write(range);
+        for (const VertexRange range : layout_.meshes.baked.row(m)) write_range(writer, range);
     }
+}
+
+void PoseExecution::write_range(const VertexWriter& writer, VertexRange range) const {
+  spread_.run_ranges(range.end - range.begin, 256, [&](std::size_t begin, std::size_t end) {
+    writer.write({static_cast<std::uint32_t>(range.begin + begin), static_cast<std::uint32_t>(range.begin + end)});
+  });
 }
 
 // Whether all vertices of an output lie in memory as they do in an array of floats in this order.
@@ -291,10 +307,10 @@ void PoseExecution::write_outputs(std::size_t pose, const float* rows, const Pos
     else
       write(vectors, VertexOrder::source, to);
   };
-  normals.run(layout_.kernels, rows, moved, workspace_.normals_);
+  normals.run(layout_.kernels, rows, moved, workspace_.normals_, spread_);
   const float* const computed = workspace_.normals_.results.data();
   if (output.tangents.first) {
-    tangents.run(layout_.kernels, rows, moved, normals, computed, *workspace_.tangents_);
+    tangents.run(layout_.kernels, rows, moved, normals, computed, *workspace_.tangents_, spread_);
     write_vectors(workspace_.tangents_->results.data(), output.tangents);
   }
   write_vectors(computed, output.normals);

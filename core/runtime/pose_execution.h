@@ -5,6 +5,7 @@
 #include <span>
 
 #include "runtime/evaluation_layout.h"
+#include "runtime/spread.h"
 #include "runtime/vertex_output.h"
 #include "runtime/workspace.h"
 
@@ -45,12 +46,18 @@ struct PoseMasks {
 class PoseExecution {
  public:
   PoseExecution(const EvaluationLayout& layout, const PoseMasks& masks, Workspace& workspace)
+      : PoseExecution(layout, masks, {&workspace, 1}, {}) {}
+  // Of single poses, in the first workspace; each worker of `spread` has one of its own for what it does.
+  PoseExecution(const EvaluationLayout& layout, const PoseMasks& masks, std::span<Workspace> workspaces,
+                const Spread& spread)
       : layout_(layout),
         regions_(masks.regions),
         meshes_(masks.meshes),
         detail_(layout.details, masks.lod),
         level_only_(masks.level_only),
-        workspace_(workspace) {}
+        workspace_(workspaces[0]),
+        workspaces_(workspaces),
+        spread_(spread) {}
 
   // One pose. Adds the number of clamped controls to the workspace, as the others do.
   void run_pose(const float* controls, const PoseOutput& output);
@@ -83,6 +90,8 @@ class PoseExecution {
   template <std::size_t poses>
   void run_row_blocks(const RowTarget& target);
   template <std::size_t poses>
+  void run_pass(std::size_t first, std::int16_t* quantised, const RowTarget& target);
+  template <std::size_t poses>
   void run_row_block(std::size_t block, const QuantisedInputs& inputs, const RowTarget& target);
   bool add_corrections(std::size_t pose, std::size_t block, const float* rest, float* rows);
   void scatter(std::size_t block, const float* rows, const PoseOutput& output);
@@ -95,6 +104,7 @@ class PoseExecution {
   void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output, bool positions);
   const float* with_missing_vertices(const float* of_level);
   void write(const float* rows, VertexOrder order, const VertexOutput& output, const float* rest = nullptr);
+  void write_range(const VertexWriter& writer, VertexRange range) const;
   bool is_plain(const VertexOutput& output, VertexOrder order) const;
   void write_channels(const float* rows, float* channels) const;
   void write_bounds(const float* rows, float* bounds) const;
@@ -111,6 +121,8 @@ class PoseExecution {
   const bool level_only_;
   bool with_carriers_ = false, all_points_ = false;  // in the current poses
   Workspace& workspace_;
+  const std::span<Workspace> workspaces_;
+  const Spread spread_;
 };
 
 }  // namespace fb::runtime

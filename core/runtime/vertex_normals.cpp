@@ -57,7 +57,7 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> ba
 }
 
 void VertexNormals::run(const PoseKernels& kernels, const float* rows, std::span<const std::uint8_t> moved,
-                        PolygonGraph::State& state) const {
+                        PolygonGraph::State& state, const Spread& spread) const {
   float* const areas = state.vectors.data() + no_polygon_floats;
   const auto compute_areas = [&](std::size_t begin, std::size_t end) {
     kernels.quad_areas(quads_.data() + begin, end - begin, rows, scale_, areas + 4 * begin);
@@ -70,7 +70,7 @@ void VertexNormals::run(const PoseKernels& kernels, const float* rows, std::span
       for (std::size_t i = 0; i < 4; ++i) areas[4 * std::size_t(fan->polygon) + i] += more[i];
     }
   };
-  graph_.run(moved, state, compute_areas, [&](std::size_t begin, std::size_t end) {
+  graph_.run(moved, state, spread, compute_areas, [&](std::size_t begin, std::size_t end) {
     kernels.vertex_normals(sums_.around(begin, end), state.vectors.data(), state.results.data());
   });
 }

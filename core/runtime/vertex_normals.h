@@ -30,7 +30,7 @@ class VertexNormals {
   // rows: positions in baked order, readable one float beyond. moved: by row block, whether its rows differ from rest.
   // The results are those of the surface's vertices in the order of the mesh.
   void run(const PoseKernels& kernels, const float* rows, std::span<const std::uint8_t> moved,
-           PolygonGraph::State& state) const;
+           PolygonGraph::State& state, const Spread& spread = {}) const;
 
  private:
   // A further quad of a polygon with more than four corners.

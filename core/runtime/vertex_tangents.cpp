@@ -48,7 +48,8 @@ VertexTangents::VertexTangents(const Mesh& mesh, std::span<const std::uint32_t> 
 }
 
 void VertexTangents::run(const PoseKernels& kernels, const float* rows, std::span<const std::uint8_t> moved,
-                         const VertexNormals& of_normals, const float* normals, PolygonGraph::State& state) const {
+                         const VertexNormals& of_normals, const float* normals, PolygonGraph::State& state,
+                         const Spread& spread) const {
   const std::span<const Quad> quads = of_normals.quads();
   float* const integrals = state.vectors.data() + no_polygon_floats;
   const auto compute_integrals = [&](std::size_t begin, std::size_t end) {
@@ -60,7 +61,7 @@ void VertexTangents::run(const PoseKernels& kernels, const float* rows, std::spa
         integrals[4 * std::size_t(extra->polygon) + i] +=
             extra->weight * (rows[extra->row + i] - rows[quads[extra->polygon].offset[0] + i]);
   };
-  of_normals.graph().run(moved, state, compute_integrals, [&](std::size_t begin, std::size_t end) {
+  of_normals.graph().run(moved, state, spread, compute_integrals, [&](std::size_t begin, std::size_t end) {
     kernels.vertex_tangents(sums_.around(begin, end), state.vectors.data(), normals, state.results.data());
   });
 }

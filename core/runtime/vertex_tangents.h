@@ -28,7 +28,8 @@ class VertexTangents {
 
   // Arguments and results as of normals.run(), which has computed `normals` for these rows.
   void run(const PoseKernels& kernels, const float* rows, std::span<const std::uint8_t> moved,
-           const VertexNormals& of_normals, const float* normals, PolygonGraph::State& state) const;
+           const VertexNormals& of_normals, const float* normals, PolygonGraph::State& state,
+           const Spread& spread = {}) const;
 
  private:
   // A corner behind the first four of a polygon.

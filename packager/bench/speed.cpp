@@ -52,6 +52,9 @@ void write_past_caches(float* to, std::size_t count) {
 // Cold poses are measured one after another, without rounds.
 constexpr std::size_t parts_of_cold = 4;
 
+// Faces from which threads may share a pose, see fb_batch_desc::spread.
+constexpr std::size_t shared_vertices = 50'000;
+
 // Of warm poses. Shorter lines differ by what reading the clock takes.
 constexpr double least_told = 1;  // microseconds
 
@@ -113,13 +116,14 @@ class SpeedBench {
   };
   void evaluate_as_batch(std::size_t pose, const Outputs& outputs);
   void evaluate_batch();
+  void evaluate_shared(std::size_t pose, bool normals);
 
   const fb_archive_info archive_;
   const std::span<const float> controls_;
   const SpeedOptions options_;
   Progress& progress_;
   facebaker::Model model_;
-  facebaker::Scratch scratch_;
+  facebaker::Scratch scratch_, shared_scratch_;
   const std::size_t width_, floats_;  // of controls and positions
   const std::size_t poses_;
   PaperNetwork paper_;
@@ -147,6 +151,7 @@ SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float>
       progress_(progress),
       model_(archive_.bytes, archive_.byte_count),
       scratch_(model_),
+      shared_scratch_(model_, 2),
       width_(model_.control_count()),
       floats_(3 * std::size_t(model_.vertex_count())),
       poses_(pose_count(controls, model_)),
@@ -189,6 +194,24 @@ void SpeedBench::evaluate_as_batch(std::size_t pose, const Outputs& outputs) {
   batch.vertex_order = outputs.order;
   batch.format = outputs.format;
   scratch_.evaluate(batch);
+}
+
+// By two threads.
+void SpeedBench::evaluate_shared(std::size_t pose, bool normals) {
+  fb_batch_desc batch;
+  fb_batch_desc_init(&batch);
+  batch.threads = 2;
+  batch.spread = 1;
+  batch.poses = 1;
+  batch.controls = pose_at(pose);
+  batch.control_floats = width_;
+  batch.positions = positions_.data();
+  batch.position_floats = floats_;
+  if (normals) {
+    batch.normals = normals_.data();
+    batch.normal_numbers = floats_;
+  }
+  shared_scratch_.evaluate(batch);
 }
 
 void SpeedBench::evaluate_batch() {
@@ -247,6 +270,13 @@ std::vector<Timing> SpeedBench::crowd_timings() {
     Timing& timing = timings.emplace_back(
         posing(format("crowd of %zu, %u thread%s", crowd_.size(), threads, threads > 1 ? "s" : ""), pose));
     timing.poses_a_call = crowd_.size();
+    timing.elapsed = true;
+  }
+  for (const bool normals : {false, true}) {
+    if (floats_ < 3 * shared_vertices) break;
+    const auto pose = [this, normals](std::size_t p) { evaluate_shared(p, normals); };
+    const char* const name = normals ? "positions and normals, shared by 2 threads" : "positions, shared by 2 threads";
+    Timing& timing = timings.emplace_back(posing(name, pose, normals ? 24 : 12));
     timing.elapsed = true;
   }
   return timings;

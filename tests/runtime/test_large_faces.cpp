@@ -1,5 +1,5 @@
 // Faces whose positions are written row block by row block (from 131,072 vertices on): the same bits as in baked order,
-// where positions are the rows themselves.
+// where positions are the rows themselves. And poses that several threads share, of faces of 50,000 vertices or more.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -19,10 +19,11 @@ constexpr std::uint32_t across = 374, down = 375, vertices = across * down, bloc
 
 // Every control moves some row blocks, two of them many; a third of the blocks is at rest in all poses. One pose is
 // exact.
-PackedModel large_model() {
+PackedModel large_model(std::uint32_t grid_rows = down) {
+  const std::uint32_t vertices = across * grid_rows;
   Random random(2);
   PackedModel model;
-  model.rest = grid_mesh(across, down);
+  model.rest = grid_mesh(across, grid_rows);
   for (std::uint64_t v = 0; v < vertices; ++v) model.order.push_back(std::uint32_t(v * 7919 % vertices));
   for (std::uint32_t c = 0; c < controls; ++c) {
     model.schema.controls.push_back({"control " + std::to_string(c), -1, 1, 0, ""});
@@ -107,6 +108,88 @@ TEST_CASE("positions of large faces have the same bits in either order, alone an
   std::vector<float> points(size);
   face.evaluate(poses.data(), points.data(), workspace);
   CHECK(points == model.rest.points);
+}
+
+namespace {
+
+// A host's scheduler that runs tasks in turn, on different workers, but for the last of them where it should not.
+struct Host {
+  std::size_t calls = 0, left_out = 0;
+  static void run(void* user, std::uint32_t count, std::uint32_t workers, HostTask task, void* context) {
+    Host& host = *static_cast<Host*>(user);
+    ++host.calls;
+    for (std::uint32_t i = 0; i + host.left_out < count; ++i) task(context, i, (count - i) % workers);
+  }
+  Parallel parallel() { return {.threads = 3, .host = run, .host_user = this}; }
+};
+
+std::vector<Workspace> three_workspaces(const Evaluator& face) {
+  std::vector<Workspace> workspaces;
+  for (int worker = 0; worker < 3; ++worker) workspaces.emplace_back(face, 1);
+  return workspaces;
+}
+
+}  // namespace
+
+TEST_CASE("a pose that threads share has the bits of one thread") {
+  for (const std::uint32_t grid_rows : {down, 140u}) {
+    const PackedModel model = large_model(grid_rows);
+    const Evaluator face(model);
+    const std::vector<float> poses = poses_of(2);
+    std::vector<Workspace> workspaces = three_workspaces(face);
+    Workspace alone(face);
+    for (const VertexOrder order : {VertexOrder::baked, VertexOrder::source})
+      for (const NumberFormat format : {NumberFormat::float32, NumberFormat::float16})
+        for (const bool normals : {false, true}) {
+          const std::size_t numbers = 2 * 3 * face.vertex_count();
+          std::vector<float> positions[3], directions[3];
+          Host host;
+          for (int way = 0; way < 3; ++way) {
+            positions[way].assign(numbers, -3.0f), directions[way].assign(numbers, -3.0f);
+            Batch batch;
+            batch.poses = 2;
+            batch.controls = poses;
+            batch.positions = {positions[way].data(), numbers};
+            if (normals) batch.normals = {directions[way].data(), numbers};
+            batch.order = order;
+            batch.format = format;
+            batch.spread = way > 0;
+            if (way == 0)
+              face.evaluate_batch(batch, {&alone, 1});
+            else
+              face.evaluate_batch(batch, workspaces, way == 1 ? host.parallel() : Parallel{.threads = 3});
+          }
+          CAPTURE(grid_rows);
+          CAPTURE(normals);
+          CHECK(host.calls >= 2);
+          for (int way = 1; way < 3; ++way) {
+            CHECK(std::memcmp(positions[way].data(), positions[0].data(), 4 * numbers) == 0);
+            CHECK(std::memcmp(directions[way].data(), directions[0].data(), 4 * numbers) == 0);
+          }
+        }
+  }
+}
+
+TEST_CASE("poses are shared only where that is wanted, and a host that leaves work out is told") {
+  const Evaluator face(large_model(140)), smaller(large_model(130));
+  const std::vector<float> poses = poses_of(3);
+  const auto calls_of = [&](const Evaluator& of, std::size_t count, bool spread, std::size_t left_out = 0) {
+    std::vector<Workspace> workspaces = three_workspaces(of);
+    std::vector<float> positions(count * 3 * of.vertex_count());
+    Host host{0, left_out};
+    Batch batch;
+    batch.poses = count;
+    batch.controls = std::span(poses).first(count * controls);
+    batch.positions = {positions.data(), positions.size()};
+    batch.spread = spread;
+    of.evaluate_batch(batch, workspaces, host.parallel());
+    return host.calls;
+  };
+  CHECK(calls_of(face, 1, true) >= 2);
+  CHECK(calls_of(face, 1, false) == 0);
+  CHECK(calls_of(face, 3, true) == 1);  // a thread each
+  CHECK(calls_of(smaller, 1, true) == 0);
+  CHECK_THROWS_WITH_AS(calls_of(face, 1, true, 1), doctest::Contains("the host's parallel_for ran"), Error);
 }
 
 }  // namespace test_large_faces

@@ -145,7 +145,7 @@ class fb_batch_desc(Structure):
         ("displacements", c_uint32), ("reserved_displacements", c_uint32), ("bounds", c_void_p),
         ("bounds_floats", c_uint64), ("bounds_pose_stride", c_uint64), ("lod", c_float), ("level_only", c_uint32),
         ("joints", c_void_p), ("joint_floats", c_uint64), ("joint_pose_stride", c_uint64), ("unskinned", c_uint32),
-        ("reserved_unskinned", c_uint32),
+        ("spread", c_uint32),
     ]
 class fb_many_item(Structure):
     _fields_ = [("model", c_void_p), ("scratch", c_void_p), ("batch", POINTER(fb_batch_desc))]

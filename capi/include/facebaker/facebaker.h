@@ -423,7 +423,10 @@ typedef struct fb_batch_desc {
   uint32_t unskinned; /**< 1: positions, normals and tangents are those before driven joints move the vertices, as
                          displacements always are, for a host that skins by itself; bounds and sockets are always of
                          what is seen. 0 (default): after */
-  uint32_t reserved_unskinned; /**< 0 */
+  uint32_t spread;    /**< 1: where there are fewer poses than threads, all threads share each pose of a face of 50,000
+                         vertices or more, with several calls of parallel_for a pose. Pays with normals, and from some
+                         hundred thousand vertices, where threads wait actively for the next call. 0 (default): a pose runs
+                         on one thread */
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);
@@ -432,12 +435,12 @@ static inline void fb_batch_desc_init(fb_batch_desc* to) {
 }
 
 /** Many poses, or one with more options. Each pose has the same bits as with fb_evaluate, for any batch, order, strides
- * and threads. A single pose runs on the calling thread. Outputs of some megabytes without gaps are written with
- * non-temporal stores. Before anything is written, fails with FB_ERROR_INVALID_ARGUMENT on a level of detail below 0,
- * buffers too small for their
- * poses and strides, overlapping poses, and unknown regions, orders and formats, and with FB_ERROR_NOT_FINITE, naming
- * pose and control, on NaN. Buffers may not overlap each other. 0 poses need no buffers. A parallel_for that calls too
- * few, too many or invalid tasks fails with FB_ERROR_INVALID_ARGUMENT afterwards. */
+ * and threads. A single pose runs on the calling thread, unless it is spread. Outputs of some megabytes without gaps
+ * are written with non-temporal stores. Before anything is written, fails with FB_ERROR_INVALID_ARGUMENT on a level of
+ * detail below 0, buffers too small for their poses and strides, overlapping poses, and unknown regions, orders and
+ * formats, and with FB_ERROR_NOT_FINITE, naming pose and control, on NaN. Buffers may not overlap each other. 0 poses
+ * need no buffers. A parallel_for that calls too few, too many or invalid tasks fails with FB_ERROR_INVALID_ARGUMENT
+ * afterwards. */
 FB_API fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc);
 
 /* ---- Expected errors ----------------------------------------------------------------------------------------------
