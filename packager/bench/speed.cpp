@@ -345,32 +345,39 @@ void SpeedBench::measure_batches(std::vector<Timing>& timings) {
   }
 }
 
+// What reads or writes `bytes`, so often a call that this takes longer than reading the clock.
+SpeedLine repeated(const char* name, double bytes, const std::function<void()>& once) {
+  constexpr double bytes_a_call = 1 << 20;
+  constexpr std::size_t parts = 3;
+  const auto times = static_cast<std::size_t>(std::max(1.0, bytes_a_call / std::max(bytes, 1.0)));
+  Timing timing{name,
+                [&](std::size_t) {
+                  for (std::size_t i = 0; i < times; ++i) once();
+                },
+                bytes, times};
+  for (std::size_t n = 0; n < 10 * parts; ++n) timing.measure(0);
+  return timing.line(parts);
+}
+
 SpeedLine SpeedBench::read_line(const char* name, std::size_t bytes) const {
   std::vector<std::uint64_t> memory(bytes / sizeof(std::uint64_t), 1);
   volatile std::uint64_t result = 0;
-  constexpr std::size_t parts = 3;
-  Timing timing{name,
-                [&](std::size_t) {
-                  std::uint64_t sum[8] = {};
-                  for (std::size_t i = 0; i + 8 <= memory.size(); i += 8)
-                    for (int k = 0; k < 8; ++k) sum[k] += memory[i + k];
-                  for (const std::uint64_t s : sum) result = result + s;
-                },
-                double(bytes)};
-  for (std::size_t n = 0; n < 10 * parts; ++n) timing.measure(0);
-  return timing.line(parts);
+  return repeated(name, double(bytes), [&] {
+    std::uint64_t sum[8] = {};
+    for (std::size_t i = 0; i + 8 <= memory.size(); i += 8)
+      for (int k = 0; k < 8; ++k) sum[k] += memory[i + k];
+    for (const std::uint64_t s : sum) result = result + s;
+  });
 }
 
 // Writing the positions of a pose over and over.
 SpeedLine SpeedBench::write_line() const {
   std::vector<float> positions(floats_);
-  constexpr std::size_t parts = 3;
-  const double bytes = double(floats_ * sizeof(float));
-  int value = 0;
-  Timing timing{"writing as many positions as a pose has",
-                [&](std::size_t) { std::memset(positions.data(), ++value, positions.size() * sizeof(float)); }, bytes};
-  for (std::size_t n = 0; n < 10 * parts; ++n) timing.measure(0);
-  return timing.line(parts);
+  volatile int value = 0;
+  return repeated("writing as many positions as a pose has", double(floats_ * sizeof(float)), [&] {
+    value = value + 1;
+    std::memset(positions.data(), value, positions.size() * sizeof(float));
+  });
 }
 
 std::vector<SpeedLine> SpeedBench::lines_of(const std::vector<Timing>& timings, std::size_t rounds) const {
