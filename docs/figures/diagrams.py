@@ -1,5 +1,6 @@
 """The pictures that need no baked face: diagrams of the model and of a bake, and plots of the formulas."""
 from budget_plot import budget_plot
+from scale_plot import scale_plot
 from svg import Axes, Svg
 
 
@@ -120,4 +121,4 @@ def gate_plot():
 
 
 DIAGRAMS = {"model.svg": model_diagram, "bake.svg": bake_diagram, "features.svg": feature_plots, "gate.svg": gate_plot,
-            "rig_budget.svg": budget_plot}
+            "rig_budget.svg": budget_plot, "scale.svg": scale_plot}

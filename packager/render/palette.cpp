@@ -73,12 +73,13 @@ std::vector<Box> split(std::span<PixelGroup*> colours) {
   std::vector<Box> boxes = {Box(colours)};
   while (boxes.size() < most_colours) {
     Box& widest = *std::ranges::max_element(boxes, {}, &Box::scatter);
-    const auto right = std::ranges::stable_partition(widest.colours, [&](const PixelGroup* one) {
+    const std::span<PixelGroup*> all = widest.colours;
+    const auto right = std::stable_partition(all.begin(), all.end(), [&](const PixelGroup* one) {
       return one->mean(widest.channel) <= widest.total.mean(widest.channel);
     });
-    const std::span<PixelGroup*> left = widest.colours.first(widest.colours.size() - right.size());
-    widest = Box(left);
-    boxes.emplace_back(std::span<PixelGroup*>(right.begin(), right.end()));
+    const auto lower = static_cast<std::size_t>(right - all.begin());
+    widest = Box(all.first(lower));
+    boxes.emplace_back(all.subspan(lower));
   }
   std::ranges::sort(boxes, {}, [](const Box& box) { return key_of(box.total.colour(), 0); });
   return boxes;
