@@ -18,10 +18,11 @@ std::vector<std::uint32_t> moved_by(const SparseBlendshapes& part) {
 }  // namespace
 
 HoldoutSet::HoldoutSet(std::vector<float> controls, std::vector<float> residuals, std::vector<float> rest,
-                       const Parallel& parallel)
+                       const Parallel& parallel, std::vector<std::uint32_t> judged)
     : controls_(std::move(controls)),
       residuals_(std::move(residuals)),
       rest_(std::move(rest)),
+      judged_(std::move(judged)),
       parallel_(parallel),
       poses_(controls_.size() / rest_.size()),
       size_(poses_ ? residuals_.size() / poses_ : 0),
@@ -29,6 +30,15 @@ HoldoutSet::HoldoutSet(std::vector<float> controls, std::vector<float> residuals
 
 template <class Use>
 void HoldoutSet::for_moved(const SparseBlendshapes& part, const Use& use) {
+  if (judged_.empty())
+    for_moved_by(part, use);
+  else
+    for_moved_by(part_of(part, judged_), use);
+}
+
+// part: of the vertices that are judged.
+template <class Use>
+void HoldoutSet::for_moved_by(const SparseBlendshapes& part, const Use& use) {
   const std::vector<std::uint32_t> moved = moved_by(part);
   parallel_for(parallel_, poses_, [&](std::size_t p, std::size_t worker) {
     const std::span<const float> pose = std::span(controls_).subspan(p * rest_.size(), rest_.size());

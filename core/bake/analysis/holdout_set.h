@@ -12,9 +12,10 @@ namespace fb::bake {
 // threads; one call at a time.
 class HoldoutSet {
  public:
-  // controls: poses x controls; residuals: poses x 3 x vertices, rig units.
+  // controls: poses x controls; residuals: poses x 3 x vertices, rig units. judged: the vertices that they are of
+  // (ascending); empty: all.
   HoldoutSet(std::vector<float> controls, std::vector<float> residuals, std::vector<float> rest,
-             const Parallel& parallel);
+             const Parallel& parallel, std::vector<std::uint32_t> judged = {});
 
   // Adds a part to the base (sign 1) or removes it (-1).
   void add(const SparseBlendshapes& part, float sign);
@@ -33,8 +34,11 @@ class HoldoutSet {
   // Calls use(pose, residual, displacement) for the vertices that the part moves, several poses at once.
   template <class Use>
   void for_moved(const SparseBlendshapes& part, const Use& use);
+  template <class Use>
+  void for_moved_by(const SparseBlendshapes& part, const Use& use);
 
   std::vector<float> controls_, residuals_, rest_;
+  std::vector<std::uint32_t> judged_;
   Parallel parallel_;
   std::size_t poses_, size_;
   std::vector<std::vector<float>> scratch_;  // one a worker

@@ -37,14 +37,13 @@ RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progr
     analysis.linear_controls += curve.part.shapes.size() == 1 && curve.steps.empty();
   }
   append(analysis.base, parts);
-  const std::size_t judged = dense.displacements.size() / rig.coordinate_count();  // poses
   std::optional<CorrectiveSearch> correctives(std::in_place, rig, options, curves, dense, analysis.base, progress);
   if (options.max_pairs > 0) correctives->find(2, options.max_pairs);
   if (add_joint_steps(rig, options, *correctives, curves, progress)) {
     analysis.base = {};
     append(analysis.base, parts);
     correctives.reset();
-    evaluate_displacements(rig, judged, dense, progress);
+    evaluate_displacements(rig, dense, progress);
     correctives.emplace(rig, options, curves, dense, analysis.base, progress);
     correctives->find(2, options.max_pairs);
   }

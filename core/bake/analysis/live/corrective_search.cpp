@@ -112,13 +112,6 @@ void subtract_subsets(const std::vector<std::vector<std::uint8_t>>& points, std:
     }
 }
 
-// Of the poses whose displacements are there, which are moved to it.
-HoldoutSet judging_poses(DenseDifferences& dense, const RigEvaluator& rig) {
-  const std::size_t poses = dense.displacements.size() / rig.coordinate_count();
-  const auto end = dense.controls.begin() + static_cast<std::ptrdiff_t>(poses * rig.rest_pose().size());
-  return {{dense.controls.begin(), end}, std::move(dense.displacements), rig.rest_pose(), rig.parallel()};
-}
-
 }  // namespace
 
 CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options,
@@ -132,7 +125,7 @@ CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& opt
       progress_(progress),
       curve_errors_(measure_curves(rig, curves, progress)),
       curve_residual_motion_(difference_motion(dense, base, Statistic::largest, rig)),
-      dense_poses_(judging_poses(dense, rig)) {
+      dense_poses_(dense.controls, std::move(dense.displacements), rig.rest_pose(), rig.parallel(), dense.judged) {
   for (const ControlCurve& curve : curves) dense_poses_.add(curve.part, 1);
   note_error("activation curves");
 }

@@ -50,19 +50,20 @@ std::vector<float> draw_dense_poses(const RigSchema& schema, std::uint64_t seed,
   return controls;
 }
 
-// Evaluates poses first.. of the dense ones.
-void evaluate_poses(RigEvaluator& rig, const DenseDifferences& dense, std::size_t first, std::span<float> displacements,
-                    EvaluationStage& stage) {
-  const std::size_t width = rig.rest_pose().size(), size = rig.coordinate_count();
+// Evaluates so many of the dense poses: the displacements of some vertices, or of all.
+void evaluate_poses(RigEvaluator& rig, const DenseDifferences& dense, std::size_t first, std::size_t count,
+                    EvaluationStage& stage, std::span<const std::uint32_t> vertices, std::span<float> displacements) {
+  const std::size_t width = rig.rest_pose().size();
   rig.evaluate_each(
-      displacements.size() / size, stage,
+      count, stage,
       [&](std::size_t i, std::span<float> pose) {
         std::copy_n(dense.controls.begin() + static_cast<std::ptrdiff_t>((first + i) * width), width, pose.begin());
       },
       [&](std::size_t i, std::span<const float>, std::span<float> displacement) {
         std::copy(displacement.begin(), displacement.end(),
-                  displacements.begin() + static_cast<std::ptrdiff_t>(i * size));
-      });
+                  displacements.begin() + static_cast<std::ptrdiff_t>(i * displacement.size()));
+      },
+      vertices);
 }
 
 // Evaluates the poses of some differences once more, with the control at rest where it is active, active where it is at
@@ -93,9 +94,16 @@ void evaluate_changed_poses(RigEvaluator& rig, const DenseDifferences& dense, st
       });
 }
 
-// Poses whose displacements take so many bytes, one at least.
-std::size_t poses_in(std::size_t bytes, const RigEvaluator& rig) {
-  return std::max<std::size_t>(1, bytes / (sizeof(float) * rig.coordinate_count()));
+// Evenly spaced vertices of the surface, and all that carry numbers, whose displacements in so many poses fit
+// kept_bytes, about. Empty: all do.
+std::vector<std::uint32_t> judged_vertices(const RigEvaluator& rig, std::size_t poses) {
+  const std::size_t all = rig.coordinate_count() / 3, surface = rig.rest().surface_vertex_count();
+  const std::size_t most = std::max<std::size_t>(1, kept_bytes / (3 * sizeof(float) * std::max<std::size_t>(poses, 1)));
+  if (all <= most) return {};
+  const std::size_t step = (surface + most - 1) / most;
+  std::vector<std::uint32_t> judged;
+  for (std::size_t v = 0; v < all; v += v < surface ? step : 1) judged.push_back(static_cast<std::uint32_t>(v));
+  return judged;
 }
 
 }  // namespace
@@ -113,30 +121,35 @@ DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Pro
   dense.poses = rounds * poses;
   dense.differences = plan_differences(schema, seed, rounds, per_pose);
   dense.controls = draw_dense_poses(schema, seed, dense.poses);
-  dense.displacements.resize(std::min(dense.poses, poses_in(kept_bytes, rig)) * size);
+  dense.judged = judged_vertices(rig, dense.poses);
+  const std::size_t judged = dense.judged.empty() ? size : 3 * dense.judged.size();
+  dense.displacements.resize(dense.poses * judged);
   EvaluationStage stage(progress, Phase::analysis, "evaluating dense poses", dense.poses + dense.differences.size());
-  const std::size_t most = poses_in(block_bytes, rig);
+  const std::size_t most = std::max<std::size_t>(1, block_bytes / (sizeof(float) * size));  // poses of a block
   std::vector<float> displacements;
   auto begin = dense.differences.begin();  // of a block: they are in the order of poses
   for (std::size_t first = 0; first < dense.poses; first += most) {
     const std::size_t count = std::min(most, dense.poses - first);
     displacements.resize(count * size);
-    evaluate_poses(rig, dense, first, displacements, stage);
+    evaluate_poses(rig, dense, first, count, stage, {}, displacements);
     const auto end = std::find_if(begin, dense.differences.end(),
                                   [&](const FiniteDifference& difference) { return difference.pose >= first + count; });
     evaluate_changed_poses(rig, dense, first, displacements, {begin, end}, stage);
     begin = end;
-    const std::size_t kept = std::min(first * size, dense.displacements.size());
-    std::copy_n(displacements.begin(), std::min(displacements.size(), dense.displacements.size() - kept),
-                dense.displacements.begin() + static_cast<std::ptrdiff_t>(kept));
+    for (std::size_t i = 0; i < count; ++i) {
+      const float* const from = displacements.data() + i * size;
+      float* to = dense.displacements.data() + (first + i) * judged;
+      if (dense.judged.empty()) std::copy_n(from, size, to);
+      for (const std::uint32_t v : dense.judged) to = std::copy_n(from + 3 * std::size_t(v), 3, to);
+    }
   }
   return dense;
 }
 
-void evaluate_displacements(RigEvaluator& rig, std::size_t poses, DenseDifferences& dense, Progress& progress) {
-  EvaluationStage stage(progress, Phase::analysis, "evaluating dense poses", poses);
-  dense.displacements.resize(poses * rig.coordinate_count());
-  evaluate_poses(rig, dense, 0, dense.displacements, stage);
+void evaluate_displacements(RigEvaluator& rig, DenseDifferences& dense, Progress& progress) {
+  EvaluationStage stage(progress, Phase::analysis, "evaluating dense poses", dense.poses);
+  dense.displacements.resize(dense.poses * (dense.judged.empty() ? rig.coordinate_count() : 3 * dense.judged.size()));
+  evaluate_poses(rig, dense, 0, dense.poses, stage, dense.judged, dense.displacements);
 }
 
 std::vector<float> difference_motion(const DenseDifferences& dense, const SparseBlendshapes& base, Statistic statistic,
