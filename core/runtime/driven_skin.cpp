@@ -152,7 +152,7 @@ void DrivenSkin::find_blocks(const PackedModel& model, std::pmr::memory_resource
 }
 
 // Makes a group of the vertices from `vertex` on and appends its weights. Returns false, appending none, if they follow
-// too many joints, or in different orders.
+// too many joints, in different orders, or one twice.
 bool DrivenSkin::find_group(std::uint32_t vertex, SkinGroup& group, std::pmr::vector<float>& weights) const {
   group = {3 * vertex, 0, {}, static_cast<std::uint32_t>(weights.size())};
   const auto end_of = [&] { return group.offset + group.joints; };
@@ -164,11 +164,11 @@ bool DrivenSkin::find_group(std::uint32_t vertex, SkinGroup& group, std::pmr::ve
     }
   float of_joints[SkinGroup::most_joints][SkinGroup::vertices] = {};
   for (std::uint32_t v = vertex; v < vertex + SkinGroup::vertices; ++v) {
-    const std::uint32_t* last = group.offset;
+    const std::uint32_t* next = group.offset;
     for (const JointInfluence& influence : influences_.row(v)) {
       const std::uint32_t* const at = std::find(group.offset, end_of(), influence.offset);
-      if (at < last) return false;
-      last = at;
+      if (at < next) return false;
+      next = at + 1;
       of_joints[at - group.offset][v - vertex] = influence.weight;
     }
   }
