@@ -35,7 +35,8 @@ void copy(const Number* rows, VertexRange range, std::size_t stride, Number* to,
   if (stride == 3) {
 #if defined(__SSE2__)
     if constexpr (std::is_same_v<Number, float>)
-      for (; v + 4 <= range.end; v += 4) write_four(rows, v, to, index_of, _mm_storeu_ps);
+      for (; v + 4 <= range.end; v += 4)
+        write_four(rows, v, to, index_of, [](float* at, __m128 vector) { _mm_storeu_ps(at, vector); });
 #endif
 #pragma GCC unroll 4
     for (; v < last; ++v) std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(Number));
@@ -53,7 +54,8 @@ void stream(const float* rows, VertexRange range, float* to, const IndexOf& inde
   const std::size_t vertices = range.end;
   for (; v < vertices && reinterpret_cast<std::uintptr_t>(to + 3 * v) % 16 != 0; ++v)
     std::memcpy(to + 3 * v, rows + 3 * index_of(v), 3 * sizeof(float));
-  for (; v + 4 <= vertices; v += 4) write_four(rows, v, to, index_of, _mm_stream_ps);
+  for (; v + 4 <= vertices; v += 4)
+    write_four(rows, v, to, index_of, [](float* at, __m128 vector) { _mm_stream_ps(at, vector); });
   for (; v < vertices; ++v) std::memcpy(to + 3 * v, rows + 3 * index_of(v), 3 * sizeof(float));
   _mm_sfence();
 }
