@@ -183,7 +183,7 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
   check_batch(batch);
   Parallel within = parallel;
   within.threads = static_cast<int>(std::min(worker_count(parallel), workspaces.size()));
-  for (Workspace& workspace : workspaces) workspace.clamped_ = workspace.poses_ = 0;
+  for (Workspace& workspace : workspaces) workspace.clamped_ = 0;
   const std::size_t workers = worker_count(within);
   if (batch.spread && batch.poses < workers && vertex_count() >= spread_vertices)
     return evaluate_spread(batch, workspaces, within);
@@ -193,33 +193,19 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
                                      [](const Workspace& workspace) { return workspace.block_ == poses_per_block; });
   const std::size_t whole = in_blocks ? batch.poses / poses_per_block : 0, blocks = whole >= workers ? whole : 0;
   const std::size_t tasks = blocks + batch.poses - blocks * poses_per_block;
-  parallel_for(within, tasks, [&](std::size_t task, std::size_t worker) {
-    if (task >= tasks || worker >= workspaces.size())
-      fail(Status::invalid_argument, "the host's parallel_for gave task %zu of %zu to worker %zu of %zu", task, tasks,
-           worker, workspaces.size());
+  Spread(within, workspaces.size()).run(tasks, [&](std::size_t task, std::size_t worker) {
     Workspace& workspace = workspaces[worker];
     PoseExecution execution(layout_, batch.masks, workspace);
     const std::size_t pose = task < blocks ? task * poses_per_block : task + blocks * (poses_per_block - 1);
     if (task >= blocks) {
-      with_float_mode([&] {
-        execution.run_pose(poses.controls(pose), poses.output(pose));
-        poses.write_errors(pose, workspace);
-      });
-      ++workspace.poses_;
-      return;
+      execution.run_pose(poses.controls(pose), poses.output(pose));
+      return poses.write_errors(pose, workspace);
     }
     PoseOutput outputs[poses_per_block];
     for (std::size_t p = 0; p < poses_per_block; ++p) outputs[p] = poses.output(pose + p);
-    with_float_mode([&] {
-      execution.run_block(poses.controls(pose), poses.control_stride(), outputs);
-      for (std::size_t p = 0; p < poses_per_block; ++p) poses.write_errors(pose + p, workspace);
-    });
-    workspace.poses_ += poses_per_block;
+    execution.run_block(poses.controls(pose), poses.control_stride(), outputs);
+    for (std::size_t p = 0; p < poses_per_block; ++p) poses.write_errors(pose + p, workspace);
   });
-  std::size_t done = 0;
-  for (const Workspace& workspace : workspaces) done += workspace.poses_;
-  if (done != batch.poses)
-    fail(Status::invalid_argument, "the host's parallel_for ran %zu poses of %zu", done, batch.poses);
 }
 
 }  // namespace fb::runtime

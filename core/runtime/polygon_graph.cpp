@@ -39,7 +39,7 @@ void PolygonSums::build(const CsrTable<std::uint32_t>& at_vertex) {
   }
   begin();
   FurtherPolygons none;
-  std::fill_n(none.offset, together, 4u);
+  std::fill_n(none.offset, together, std::uint32_t(no_polygon_floats / 2));
   further_.resize(further, none);
   for (std::uint32_t v = 0; v < vertices_; v += together)
     visit_further(v, [&](std::uint32_t vertex, std::size_t number, std::uint32_t polygon) {

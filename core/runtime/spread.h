@@ -9,14 +9,14 @@
 
 namespace fb::runtime {
 
-// How the work on one pose runs: on the calling thread, or in parts on several.
+// How tasks run, the poses of a batch or parts of one: on the calling thread, or on several in the runtime's
+// floating-point mode. What a host's parallel_for does is checked.
 class Spread {
  public:
   Spread() = default;
   // `parallel` must outlive it, and the workers be those that it has.
   Spread(const Parallel& parallel, std::size_t workers) : parallel_(&parallel), workers_(workers) {}
 
-  explicit operator bool() const { return parallel_ != nullptr; }
   // Calls work(index, worker) for every index < count. Fails with invalid_argument if the host's parallel_for does not.
   template <class Work>
   void run(std::size_t count, const Work& work) const {
@@ -27,13 +27,13 @@ class Spread {
     std::atomic<std::size_t> done = 0;
     parallel_for(*parallel_, count, [&](std::size_t i, std::size_t worker) {
       if (i >= count || worker >= workers_)
-        fail(Status::invalid_argument, "the host's parallel_for gave part %zu of %zu to worker %zu of %zu", i, count,
+        fail(Status::invalid_argument, "the host's parallel_for gave task %zu of %zu to worker %zu of %zu", i, count,
              worker, workers_);
       with_float_mode([&] { work(i, worker); });
       ++done;
     });
     if (done != count)
-      fail(Status::invalid_argument, "the host's parallel_for ran %zu parts of %zu", done.load(), count);
+      fail(Status::invalid_argument, "the host's parallel_for ran %zu tasks of %zu", done.load(), count);
   }
   // Calls work(begin, end) for parts of 0..size - 1 that begin at multiples of `grain`.
   template <class Work>

@@ -61,7 +61,7 @@ class Workspace {
   ExactBlend::State exact_;
   DrivenSkin::State skin_;
   std::pmr::vector<float> level_vectors_;  // of a level, spread to all vertices
-  std::uint64_t clamped_ = 0, poses_ = 0;
+  std::uint64_t clamped_ = 0;
 };
 
 }  // namespace fb::runtime

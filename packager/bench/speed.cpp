@@ -113,10 +113,10 @@ class SpeedBench {
   struct Outputs {
     bool normals = false, tangents = false;
     std::uint32_t order = FB_ORDER_SOURCE, format = FB_FLOAT32;
+    std::uint32_t threads = 1;  // 2 share the pose
   };
   void evaluate_as_batch(std::size_t pose, const Outputs& outputs);
   void evaluate_batch();
-  void evaluate_shared(std::size_t pose, bool normals);
 
   const fb_archive_info archive_;
   const std::span<const float> controls_;
@@ -177,7 +177,8 @@ SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float>
 void SpeedBench::evaluate_as_batch(std::size_t pose, const Outputs& outputs) {
   fb_batch_desc batch;
   fb_batch_desc_init(&batch);
-  batch.threads = 1;
+  batch.threads = outputs.threads;
+  batch.spread = outputs.threads > 1;
   batch.poses = 1;
   batch.controls = pose_at(pose);
   batch.control_floats = width_;
@@ -193,25 +194,7 @@ void SpeedBench::evaluate_as_batch(std::size_t pose, const Outputs& outputs) {
   }
   batch.vertex_order = outputs.order;
   batch.format = outputs.format;
-  scratch_.evaluate(batch);
-}
-
-// By two threads.
-void SpeedBench::evaluate_shared(std::size_t pose, bool normals) {
-  fb_batch_desc batch;
-  fb_batch_desc_init(&batch);
-  batch.threads = 2;
-  batch.spread = 1;
-  batch.poses = 1;
-  batch.controls = pose_at(pose);
-  batch.control_floats = width_;
-  batch.positions = positions_.data();
-  batch.position_floats = floats_;
-  if (normals) {
-    batch.normals = normals_.data();
-    batch.normal_numbers = floats_;
-  }
-  shared_scratch_.evaluate(batch);
+  (outputs.threads > 1 ? shared_scratch_ : scratch_).evaluate(batch);
 }
 
 void SpeedBench::evaluate_batch() {
@@ -274,7 +257,7 @@ std::vector<Timing> SpeedBench::crowd_timings() {
   }
   for (const bool normals : {false, true}) {
     if (floats_ < 3 * shared_vertices) break;
-    const auto pose = [this, normals](std::size_t p) { evaluate_shared(p, normals); };
+    const auto pose = [this, normals](std::size_t p) { evaluate_as_batch(p, {.normals = normals, .threads = 2}); };
     const char* const name = normals ? "positions and normals, shared by 2 threads" : "positions, shared by 2 threads";
     Timing& timing = timings.emplace_back(posing(name, pose, normals ? 24 : 12));
     timing.elapsed = true;

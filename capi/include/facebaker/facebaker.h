@@ -423,10 +423,10 @@ typedef struct fb_batch_desc {
   uint32_t unskinned; /**< 1: positions, normals and tangents are those before driven joints move the vertices, as
                          displacements always are, for a host that skins by itself; bounds and sockets are always of
                          what is seen. 0 (default): after */
-  uint32_t spread;    /**< 1: where there are fewer poses than threads, all threads share each pose of a face of 50,000
-                         vertices or more, with several calls of parallel_for a pose. Pays with normals, and from some
-                         hundred thousand vertices, where threads wait actively for the next call. 0 (default): a pose runs
-                         on one thread */
+  uint32_t spread;    /**< 1: where there are fewer poses than threads, all threads share each pose of a face of
+                         50,000 vertices or more, with several calls of parallel_for a pose. Pays with normals, and
+                         from some hundred thousand vertices, where threads wait actively for the next call. 0
+                         (default): a pose runs on one thread */
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);

@@ -39,7 +39,6 @@ void quad_areas(const Quad* quads, std::size_t count, const float* rows, float s
 void quad_integrals(const Quad* quads, const QuadWeights* weights, std::size_t count, const float* rows,
                     float* vectors) {
   for (std::size_t i = 0; i < count; ++i) {
-    using Four = float __attribute__((vector_size(16)));
     Four corner[4], sum = {};
     for (int k = 0; k < 4; ++k) __builtin_memcpy(corner + k, rows + quads[i].offset[k], sizeof *corner);
     for (int k = 1; k < 4; ++k) sum += weights[i].of[k - 1] * (corner[k] - corner[0]);
