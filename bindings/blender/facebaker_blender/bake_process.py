@@ -44,8 +44,8 @@ class BakeProcess:
     def running(self) -> bool:
         if self._process is not None:
             return self._process.poll() is None
-        number = self._number()
-        return number > 0 and _began(number) == self._stated("began")
+        began = self._stated("began")  # "" of one that had ended before that was asked
+        return bool(began) and _began(self._number()) == began
 
     @property
     def unfinished(self) -> bool:

@@ -1,5 +1,6 @@
 """What the panel says, without Blender: lines that fit, progress, and why a bake ended."""
 
+import json
 import pathlib
 import sys
 import tempfile
@@ -98,6 +99,9 @@ class FailureTest(unittest.TestCase):
 
     def test_a_bake_that_died_without_a_word(self):
         self.assertIn("bake.log is empty", self.failure("import os; os.abort()"))
+        state = self.folder / "process.json"  # as of one that ended at once
+        state.write_text(json.dumps({**json.loads(state.read_text()), "began": ""}))
+        self.assertIn("bake.log is empty", BakeProcess(self.folder).failure)
         loader = "error while loading shared libraries: libgomp.so.1"
         said = self.failure(f"import sys; sys.exit('{loader}')")
         self.assertIn("without a result", said)
