@@ -1,84 +1,20 @@
 #include "runtime/driven_skin.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <iterator>
 
-#include "model/joint_rotation.h"
+#include "runtime/joint_change.h"
 
 namespace fb::runtime {
 namespace {
-
-float horner(const RotationPolynomial& coefficients, float x) {
-  float sum = coefficients[0];
-  for (std::size_t i = 1; i < coefficients.size(); ++i) sum = sum * x + coefficients[i];
-  return sum;
-}
-
-using Vector = std::array<float, 3>;
-// Row after row: what is added to the three axes, and to the origin.
-using Change = std::array<float, 12>;
-
-// The axes at rest by numbers: a0 n[0] + a1 n[1] + a2 n[2].
-Vector along_axes(const std::array<float, 12>& rest, const float* n) {
-  Vector sum;
-  for (std::size_t a = 0; a < 3; ++a) sum[a] = (rest[4 * a] * n[0] + rest[4 * a + 1] * n[1]) + rest[4 * a + 2] * n[2];
-  return sum;
-}
-
-// The rotation about a vector, less the identity.
-void rotate(const Vector& v, Change& to) {
-  const auto [x, y, z] = v;
-  const float square = (x * x + y * y) + z * z, angle = square < most_squared_angle ? square : most_squared_angle;
-  const float s = horner(rotation_sine, angle), c = horner(rotation_cosine, angle);
-  to[0] = -c * (y * y + z * z);
-  to[5] = -c * (x * x + z * z);
-  to[10] = -c * (x * x + y * y);
-  const float xy = c * (x * y), xz = c * (x * z), yz = c * (y * z);
-  to[1] = xy - s * z;
-  to[2] = xz + s * y;
-  to[4] = xy + s * z;
-  to[6] = yz - s * x;
-  to[8] = xz - s * y;
-  to[9] = yz + s * x;
-}
-
-// (a0 b[column]) + (a1 b[4 + column]) + (a2 b[8 + column]) of row a.
-float times(const float* row, const Change& b, std::size_t column) {
-  return (row[0] * b[column] + row[1] * b[4 + column]) + row[2] * b[8 + column];
-}
-
-// Rotates by what is there already, then about a vector: (outer + rotation) + outer x rotation.
-void turn_further(const Vector& v, Change& to) {
-  Change outer = {};
-  rotate(v, outer);
-  const Change rotation = to;
-  for (std::size_t a = 0; a < 3; ++a)
-    for (std::size_t b = 0; b < 3; ++b)
-      to[4 * a + b] = (outer[4 * a + b] + rotation[4 * a + b]) + times(&outer[4 * a], rotation, b);
-}
-
-// What lengthens the axes at rest, and then rotates: (rotation + lengthening) + rotation x lengthening.
-void lengthen(const std::array<float, 12>& rest, const float* n, Change& to) {
-  Change lengths = {};
-  for (std::size_t a = 0; a < 3; ++a)
-    for (std::size_t b = 0; b < 3; ++b) {
-      const float *const row = &rest[4 * a], *const other = &rest[4 * b];
-      lengths[4 * a + b] = (n[0] * (row[0] * other[0]) + n[1] * (row[1] * other[1])) + n[2] * (row[2] * other[2]);
-    }
-  const Change rotation = to;
-  for (std::size_t a = 0; a < 3; ++a)
-    for (std::size_t b = 0; b < 3; ++b)
-      to[4 * a + b] = (rotation[4 * a + b] + lengths[4 * a + b]) + times(&rotation[4 * a], lengths, b);
-}
 
 // A matrix for kernels has columns.
 float& entry(float* matrix, std::size_t row, std::size_t column) {
   return matrix[4 * column + row];
 }
-Change change_of(const float* matrix) {
-  Change change;
+Change<float> change_of(const float* matrix) {
+  Change<float> change;
   for (std::size_t row = 0; row < 3; ++row)
     for (std::size_t column = 0; column < 4; ++column) change[4 * row + column] = matrix[4 * column + row];
   return change;
@@ -199,40 +135,17 @@ void DrivenSkin::find_groups(std::pmr::memory_resource& heap) {
 // `rows`: those of its numbers. parent: the matrix of a parent that moved, or null.
 void DrivenSkin::find_matrix(const Joint& joint, const float* rows, const float* parent, float* matrix) const {
   const float* scale = &scales_[joint.first_row - first_row_];
-  const auto take = [&](std::uint32_t which, float* numbers) {
-    for (; which != 0; which &= which - 1) numbers[std::countr_zero(which)] = *scale++ * *rows++;
-  };
-  float numbers[numbers_a_joint] = {};
-  take(joint.numbers, numbers);
-  Change change = {};
-  rotate(along_axes(joint.rest, numbers), change);
-  for (std::uint32_t o = joint.first_outer; o < joint.end_outer; ++o) {
-    float vector[3] = {};
-    take(outer_[o], vector);
-    if (vector[0] != 0 || vector[1] != 0 || vector[2] != 0) turn_further(along_axes(joint.rest, vector), change);
-  }
-  Vector moved = along_axes(joint.rest, numbers + 3);
-  if (joint.numbers & joint_pivot) {
-    const Vector pivot = along_axes(joint.rest, numbers + 9);
-    for (std::size_t a = 0; a < 3; ++a)
-      moved[a] -= (change[4 * a] * pivot[0] + change[4 * a + 1] * pivot[1]) + change[4 * a + 2] * pivot[2];
-  }
-  if (joint.numbers & joint_scale) lengthen(joint.rest, numbers + 6, change);
-  const Vector origin = {joint.rest[3], joint.rest[7], joint.rest[11]};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const float* const row = &change[4 * a];
-    change[4 * a + 3] = moved[a] - ((row[0] * origin[0] + row[1] * origin[1]) + row[2] * origin[2]);
-  }
+  const auto next = [&] { return *scale++ * *rows++; };
+  const Change<float> change = change_of_joint<float>(joint.rest, joint.numbers, outer_rotations(joint), next);
   if (!parent) {
     for (std::size_t row = 0; row < 3; ++row)
       for (std::size_t column = 0; column < 4; ++column) entry(matrix, row, column) = change[4 * row + column];
     return;
   }
-  const Change above = change_of(parent);
+  const Change<float> above = change_of(parent);
+  const Change<float> both = below_parent(above, change);
   for (std::size_t row = 0; row < 3; ++row)
-    for (std::size_t column = 0; column < 4; ++column)
-      entry(matrix, row, column) =
-          (above[4 * row + column] + change[4 * row + column]) + times(&above[4 * row], change, column);
+    for (std::size_t column = 0; column < 4; ++column) entry(matrix, row, column) = both[4 * row + column];
 }
 
 void DrivenSkin::find_matrices(const float* rows, State& state) const {
@@ -282,7 +195,7 @@ void DrivenSkin::write_frames(const State& state, float* frames) const {
     const std::array<float, 12>& rest = joints_[j].rest;
     std::copy_n(rest.data(), frame_floats, frames);
     if (!state.moved[j]) continue;
-    const Change change = change_of(state.matrices[j].numbers);
+    const Change<float> change = change_of(state.matrices[j].numbers);
     for (std::size_t row = 0; row < 3; ++row) {
       for (std::size_t column = 0; column < 3; ++column)
         frames[4 * row + column] = rest[4 * row + column] + times(&change[4 * row], rest, column);

@@ -51,14 +51,24 @@ class DrivenSkin {
   // frame_floats a joint.
   void write_frames(const State& state, float* frames) const;
 
- private:
   struct Joint {
+    std::uint32_t outer_count() const { return end_outer - first_outer; }
     std::uint32_t parent, first_row, end_row;  // rows of its numbers
     std::uint32_t numbers;
-    std::uint32_t first_outer, end_outer;  // of its outer rotations in outer_
-    std::array<float, 12> rest;
+    std::uint32_t first_outer, end_outer;  // of its outer rotations among those of all joints
+    Frame<float> rest;
   };
+  const Joint& joint(std::size_t index) const { return joints_[index]; }
+  // Which numbers each of its outer rotations has.
+  std::span<const std::uint8_t> outer_rotations(const Joint& joint) const {
+    return std::span(outer_).subspan(joint.first_outer, joint.outer_count());
+  }
+  // A number is this times its row.
+  float scale(std::uint32_t row) const { return scales_[row - first_row_]; }
+  // The joints that a vertex follows, in baked order; `offset` is joint_matrix_floats times their index.
+  std::span<const JointInfluence> influences(std::uint32_t vertex) const { return influences_.row(vertex); }
 
+ private:
   void find_matrix(const Joint& joint, const float* rows, const float* parent, float* matrix) const;
   void find_blocks(const PackedModel& model, std::pmr::memory_resource& heap);
   void find_groups(std::pmr::memory_resource& heap);

@@ -43,14 +43,18 @@ ExactBlend::ExactBlend(const PackedModel& model, std::pmr::memory_resource& memo
   }
 }
 
-void ExactBlend::find_weights(const float* controls, std::size_t pose, State& state) const {
-  if (empty()) return;
+void ExactBlend::find_places(const float* controls, State& state) const {
   for (std::size_t c = 0; c < controls_.size(); ++c) {
     const ControlRange& range = controls_[c];
     const float value =
         controls[c] > range.minimum ? (controls[c] < range.maximum ? controls[c] : range.maximum) : range.minimum;
     state.places[c] = (value - range.minimum) / range.length;
   }
+}
+
+void ExactBlend::find_weights(const float* controls, std::size_t pose, State& state) const {
+  if (empty()) return;
+  find_places(controls, state);
   Weight* const weights = state.weights.data() + pose * falloffs_.size();
   std::uint32_t found = 0;
   float sum = 0;
@@ -64,6 +68,37 @@ void ExactBlend::find_weights(const float* controls, std::size_t pose, State& st
   state.found[pose] = found;
   if (sum > 1)
     for (std::uint32_t i = 0; i < found; ++i) weights[i].weight /= sum;
+}
+
+void ExactBlend::find_weight_derivatives(const float* controls, State& state, float* derivatives) const {
+  const std::size_t count = controls_.size();
+  std::fill_n(derivatives, falloffs_.size() * count, 0.0f);
+  find_places(controls, state);
+  float sum = 0;
+  Weight* const weights = state.weights.data();
+  std::uint32_t found = 0;
+  for (std::uint32_t e = 0; e < falloffs_.size(); ++e) {
+    const float* const places = places_.data() + e * count;
+    const float weight = exact_weight(state.places.data(), places, count, falloffs_[e]);
+    if (weight == 0) continue;
+    weights[found++] = {e, weight};
+    sum += weight;
+    float squares = 0;
+    for (std::size_t c = 0; c < count; ++c) squares += (state.places[c] - places[c]) * (state.places[c] - places[c]);
+    const float slope = -4.0f * (1.0f - squares * falloffs_[e]) * falloffs_[e];
+    for (std::size_t c = 0; c < count; ++c)
+      if (controls[c] >= controls_[c].minimum && controls[c] <= controls_[c].maximum && controls_[c].length > 0)
+        derivatives[e * count + c] = slope * (state.places[c] - places[c]) / controls_[c].length;
+  }
+  if (!(sum > 1)) return;
+  for (std::size_t c = 0; c < count; ++c) {  // of weight / sum
+    float of_sum = 0;
+    for (std::uint32_t i = 0; i < found; ++i) of_sum += derivatives[weights[i].pose * count + c];
+    for (std::uint32_t i = 0; i < found; ++i) {
+      float& derivative = derivatives[weights[i].pose * count + c];
+      derivative = (derivative - weights[i].weight / sum * of_sum) / sum;
+    }
+  }
 }
 
 bool ExactBlend::add(std::size_t block, std::span<const Weight> weights, float* rows) const {

@@ -36,11 +36,23 @@ class ExactBlend {
                                : std::span(state.weights).subspan(pose * falloffs_.size(), state.found[pose]);
   }
 
+  std::size_t count() const { return falloffs_.size(); }
+  // Writes the derivatives of the weights by the controls, those of an exact pose after those of another. Those of a
+  // control outside of its range are 0.
+  void find_weight_derivatives(const float* controls, State& state, float* derivatives) const;
+  // The correction of a row of a row block by an exact pose of weight 1.
+  float correction(std::uint32_t pose, std::size_t block, std::uint32_t row) const {
+    const std::size_t start = starts_[pose * row_counts_.size() + block];
+    return start == none ? 0 : values_[start + row];
+  }
+
   // Adds weighted corrections to the rows of a row block. Returns whether there are any.
   bool add(std::size_t block, std::span<const Weight> weights, float* rows) const;
 
  private:
   static constexpr std::size_t none = SIZE_MAX;
+
+  void find_places(const float* controls, State& state) const;
 
   struct ControlRange {
     float minimum, length, maximum;

@@ -97,6 +97,13 @@ void FeatureGraph::add_combined_features(const PackedModel& model, std::pmr::mem
   by_level.build(always_evaluated_);
 }
 
+std::pmr::vector<FeatureGraph::Combined> FeatureGraph::combined(std::pmr::memory_resource& memory) const {
+  std::pmr::vector<Combined> all(combined_.entries.begin(), combined_.entries.end(), &memory);
+  all.insert(all.end(), always_evaluated_.entries.begin(), always_evaluated_.entries.end());
+  std::sort(all.begin(), all.end(), [](const Combined& a, const Combined& b) { return a.index < b.index; });
+  return all;
+}
+
 namespace {
 
 FourFloats load_four(const float* from) {

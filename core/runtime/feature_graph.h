@@ -49,6 +49,24 @@ class FeatureGraph {
   // The graph index of one of the model's features. Features of controls come first, in the order of controls.
   std::uint32_t graph_index(std::size_t feature) const { return graph_index_[feature]; }
 
+  // A product or minimum of two features, by graph indices.
+  struct Combined {
+    std::uint32_t index, first, second;
+    Feature::Kind kind;
+  };
+  // All of them, by ascending index: operands come before what is made of them.
+  std::pmr::vector<Combined> combined(std::pmr::memory_resource& memory) const;
+  // Features of controls are those below.
+  std::size_t control_feature_count() const { return controls_.size(); }
+  // One of them: its kind, control, scale, threshold and fall.
+  Feature control_feature_at(std::size_t feature) const {
+    return {kinds_[feature], controls_[feature], scales_[feature], thresholds_[feature], falls_[feature]};
+  }
+  // Of a control.
+  float minimum(std::size_t control) const { return minimum_[control]; }
+  float maximum(std::size_t control) const { return maximum_[control]; }
+  float rest(std::size_t control) const { return rest_[control]; }
+
   // EVALUATION.md, "Clamp" and "Features". Lists the active features in `state`: features of controls first, in order.
   // The controls of pose p are at controls + p * stride; `poses` is 1 or poses_per_block. Returns how many control
   // values were out of range.
@@ -56,10 +74,6 @@ class FeatureGraph {
                     FeatureState& state) const;
 
  private:
-  struct Combined {
-    std::uint32_t index, first, second;
-    Feature::Kind kind;
-  };
   void add_control_features(const PackedModel& model, std::pmr::memory_resource& heap);
   void add_combined_features(const PackedModel& model, std::pmr::memory_resource& heap);
   template <std::size_t poses>

@@ -77,6 +77,17 @@ RegionNetwork::RegionNetwork(const PoseKernels& kernels, const PackedRegion& reg
                          memory);
 }
 
+void RegionNetwork::copy_layer(std::size_t number, std::size_t stride, float* weights, float* bias) const {
+  const Layer& layer = layers_[number];
+  for (std::uint32_t o = 0; o < layer.outputs; ++o, weights += stride) {
+    for (std::uint32_t i = 0; i < layer.inputs; ++i) {
+      const int low = layer.low.digit(o, i), value = layer.high ? 256 * layer.high->digit(o, i) + low : low;
+      weights[i] = layer.scales[o] * static_cast<float>(value);
+    }
+    bias[o] = layer.bias[o];
+  }
+}
+
 std::size_t RegionNetwork::max_width() const {
   std::size_t width = 0;
   for (const Layer& layer : layers_) width = std::max<std::size_t>({width, layer.inputs, layer.outputs});

@@ -24,6 +24,8 @@ class RegionNetwork {
   std::size_t input_count() const { return layers_.front().inputs; }
   // Of an input of the first layer, see PanelMatrix::offset.
   std::uint32_t input_offset(std::size_t input) const { return layers_.front().low.offset(input); }
+  // The input at that offset.
+  std::size_t input_at(std::uint32_t offset) const { return layers_.front().low.column_at(offset); }
   std::size_t output_count() const { return layers_.back().outputs; }
   std::size_t max_width() const;  // of any layer's input or output
   // Floats of `work` that run() needs for each pose.
@@ -34,6 +36,20 @@ class RegionNetwork {
   // output_count(), times poses: output o of pose p at o * poses + p.
   void run(const PoseKernels& kernels, const MatrixInputs& input, std::size_t poses, std::size_t count, float* work,
            QuantiseBuffers& buffers, float* outputs) const;
+
+  // What a layer computes: y = activation(W x + bias), plus x if `skip`.
+  struct LayerForm {
+    std::uint32_t inputs, outputs;
+    Activation activation;
+    bool skip;
+  };
+  std::size_t layer_count() const { return layers_.size(); }
+  LayerForm layer_form(std::size_t layer) const {
+    const Layer& of = layers_[layer];
+    return {of.inputs, of.outputs, of.activation, of.skip};
+  }
+  // Writes a layer's weights, the rows of its outputs `stride` floats apart, and its bias.
+  void copy_layer(std::size_t layer, std::size_t stride, float* weights, float* bias) const;
 
  private:
   struct Layer {

@@ -80,15 +80,25 @@ void RowBlockMatrix::run(const QuantisedInputs& inputs, const float* rest, float
   }
 }
 
-void RowBlockMatrix::displacements(std::size_t input, float* values) const {
+RowBlockMatrix::Digits RowBlockMatrix::find_digits(std::size_t input) const {
   const auto wide = std::lower_bound(columns_.begin() + column_count_, columns_.end(), columns_[input]);
+  if (wide == columns_.end() || *wide != columns_[input]) return {input, input, 0};
   const std::size_t high = wide - columns_.begin();
-  const bool has_high = wide != columns_.end() && *wide == columns_[input];
-  for (std::uint32_t r = 0; r < row_count(); ++r) {
-    const int value =
-        digits_.digit(r, input) + (has_high ? digits_.digit(r, high) * (1 << wide_bits_[high - column_count_]) : 0);
-    values[r] = scales_[input] * static_cast<float>(value);
-  }
+  return {input, high, 1 << wide_bits_[high - column_count_]};
+}
+
+float RowBlockMatrix::value(const Digits& digits, std::uint32_t row) const {
+  const int high = digits.base > 0 ? digits.base * digits_.digit(row, digits.high) : 0;
+  return scales_[digits.low] * static_cast<float>(digits_.digit(row, digits.low) + high);
+}
+
+float RowBlockMatrix::displacement(std::size_t input, std::uint32_t row) const {
+  return value(find_digits(input), row);
+}
+
+void RowBlockMatrix::displacements(std::size_t input, float* values) const {
+  const Digits digits = find_digits(input);
+  for (std::uint32_t r = 0; r < row_count(); ++r) values[r] = value(digits, r);
 }
 
 }  // namespace fb::runtime

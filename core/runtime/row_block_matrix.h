@@ -56,10 +56,20 @@ class RowBlockMatrix {
   // rows[p] = rest + displacements of pose p, row_count() floats.
   void run(const QuantisedInputs& inputs, const float* rest, float* const* rows) const;
 
-  // The displacements for one unit of the coefficient of basis column `input` < column_count(): row_count() floats.
+  // The displacements for one unit of the coefficient of basis column `input` < column_count(): row_count() floats, or
+  // that of one row.
   void displacements(std::size_t input, float* values) const;
+  float displacement(std::size_t input, std::uint32_t row) const;
 
  private:
+  // The matrix columns of a basis column's low and high digits; base 0: it has no high ones.
+  struct Digits {
+    std::size_t low, high;
+    int base;
+  };
+  Digits find_digits(std::size_t input) const;
+  float value(const Digits& digits, std::uint32_t row) const;
+
   std::uint32_t first_row_;
   std::size_t column_count_;
   std::pmr::vector<std::uint32_t> columns_;  // of the basis, by matrix column

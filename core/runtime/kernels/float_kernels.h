@@ -247,6 +247,8 @@ void convert_to_half(const float* __restrict numbers, std::uint16_t* __restrict 
 #endif
 
 #include "runtime/kernels/vertex_kernels.h"
+// After it, whose vectors of four it uses.
+#include "runtime/kernels/linear_kernels.h"
 
 // The rows of columns as they are.
 struct RowsInOrder {
@@ -260,8 +262,8 @@ struct RowsInOrder {
 constexpr PoseKernels make_kernels(const char* name, PanelProduct column_product, PanelProduct quad_product,
                                    const std::uint8_t* column_rows = rows_in_order.position,
                                    bool signed_odd_digits = false) {
-  return {name,           column_product, quad_product,     column_rows,      signed_odd_digits,
-          any_nan,        clamp_controls, control_features, compact_nonzeros, quantise,
-          quantise_block, join_digits,    activate,         convert_to_half,  quad_areas,
-          quad_integrals, vertex_normals, vertex_tangents,  skin_vertices,    skin_groups};
+  return {name,           column_product,   quad_product,     column_rows,    signed_odd_digits, any_nan,
+          clamp_controls, control_features, compact_nonzeros, quantise,       quantise_block,    join_digits,
+          activate,       convert_to_half,  quad_areas,       quad_integrals, vertex_normals,    vertex_tangents,
+          skin_vertices,  skin_groups,      add_rows,         add_products,   dot_products};
 }

@@ -136,6 +136,12 @@ struct SkinGroup {
   std::uint32_t first_weight;         // eight of each joint
 };
 
+// Rows of floats, `stride` apart.
+struct ProductRows {
+  float* first;
+  std::size_t stride, count;
+};
+
 struct PoseKernels {
   const char* name;
   PanelProduct column_product, quad_product;
@@ -182,6 +188,16 @@ struct PoseKernels {
   // The same for groups of vertices, of matrices whose numbers are finite.
   void (*skin_groups)(const SkinGroup* groups, std::size_t count, const float* weights, const float* matrices,
                       float* rows);
+  // The loops of linear_kernels.h. `length` is a multiple of `padding`, and so is `stride` from row to row.
+  // to[i] += factors[k] * (row k)[i], for k from 0.
+  void (*add_rows)(float* to, const float* factors, const float* rows, std::size_t stride, std::size_t count,
+                   std::size_t length);
+  // The same for each row of `to`, with a row of factors of its own: a product of matrices.
+  void (*add_products)(const ProductRows& to, const ProductRows& factors, const float* rows, std::size_t stride,
+                       std::size_t count, std::size_t length);
+  // sums[k]: the dot product of x and row k, of `padding` partial sums.
+  void (*dot_products)(const float* x, const float* rows, std::size_t stride, std::size_t count, std::size_t length,
+                       float* sums);
 };
 
 extern const PoseKernels scalar_kernels;
