@@ -6,8 +6,8 @@
 namespace fb::runtime {
 namespace {
 
-using Vector3d = std::array<double, 3>;
-using Matrix3 = std::array<Vector3d, 3>;
+using Vector3d = SocketFrames::Vector3d;
+using Matrix3 = SocketFrames::Matrix3;
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 
 constexpr int squarings = 24;  // enough for vertices that lie within a band 500 times as long as it is wide
@@ -49,8 +49,16 @@ Matrix3 rotation_of(const std::array<double, 4>& quaternion) {
            {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}}};
 }
 
+Vector3d rotated(const Matrix3& r, const Vector3d& v) {
+  Vector3d result;
+  for (std::size_t a = 0; a < 3; ++a) result[a] = r[a][0] * v[0] + r[a][1] * v[1] + r[a][2] * v[2];
+  return result;
+}
+
+}  // namespace
+
 // Squaring a matrix often leaves its largest eigenvalue alone: every column is then the eigenvector.
-Matrix3 best_rotation(const Matrix3& s) {
+SocketFrames::Matrix3 SocketFrames::best_rotation(const Matrix3& s) {
   Matrix4 m = shifted_horn_matrix(s);
   for (int step = 0; step <= squarings; ++step) {
     const double scale = trace(m);
@@ -69,14 +77,6 @@ Matrix3 best_rotation(const Matrix3& s) {
   for (double& value : quaternion) value /= length;
   return rotation_of(quaternion);
 }
-
-Vector3d rotated(const Matrix3& r, const Vector3d& v) {
-  Vector3d result;
-  for (std::size_t a = 0; a < 3; ++a) result[a] = r[a][0] * v[0] + r[a][1] * v[1] + r[a][2] * v[2];
-  return result;
-}
-
-}  // namespace
 
 SocketFrames::SocketFrames(const PackedModel& model, std::span<const std::uint32_t> baked_index,
                            std::pmr::memory_resource& memory)
@@ -108,35 +108,29 @@ SocketFrames::SocketFrames(const PackedModel& model, std::span<const std::uint32
   }
 }
 
-void SocketFrames::run(const Socket& socket, const float* rows, float* frame) const {
-  const auto points = std::span(points_).subspan(socket.first, socket.end - socket.first);
-  Vector3d centre = {};
-  for (const Point& point : points)
-    for (std::size_t a = 0; a < 3; ++a) centre[a] += point.weight * rows[3 * std::size_t(point.index) + a];
-  for (double& value : centre) value /= socket.weight;
-  Matrix3 s = {};
-  for (const Point& point : points)
-    for (std::size_t a = 0; a < 3; ++a)
-      for (std::size_t b = 0; b < 3; ++b)
-        s[a][b] += point.weight * point.position[a] * (rows[3 * std::size_t(point.index) + b] - centre[b]);
-  const Matrix3 rotation = best_rotation(s);
+bool SocketFrames::write_frame(const Socket& socket, const Fit& fit, float* frame) {
   const std::array<float, frame_floats>& rest = socket.frame;
   std::array<float, frame_floats> posed;
   for (std::size_t column = 0; column < 4; ++column) {
     Vector3d axis = {rest[column], rest[4 + column], rest[8 + column]};
     if (column == 3)
       for (std::size_t a = 0; a < 3; ++a) axis[a] -= socket.centre[a];
-    axis = rotated(rotation, axis);
+    axis = rotated(fit.rotation, axis);
     for (std::size_t a = 0; a < 3; ++a)
-      posed[4 * a + column] = static_cast<float>(column == 3 ? axis[a] + centre[a] : axis[a]);
+      posed[4 * a + column] = static_cast<float>(column == 3 ? axis[a] + fit.centre[a] : axis[a]);
   }
   const bool finite = std::all_of(posed.begin(), posed.end(), [](float value) { return std::isfinite(value); });
   std::copy_n(finite ? posed.data() : rest.data(), frame_floats, frame);
+  return finite;
 }
 
 void SocketFrames::run(const float* rows, MeshMask meshes, float* frames) const {
-  for (std::size_t i = 0; i < sockets_.size(); ++i)
-    if (meshes.empty() || meshes[sockets_[i].mesh]) run(sockets_[i], rows, frames + i * frame_floats);
+  for (std::size_t i = 0; i < sockets_.size(); ++i) {
+    if (!meshes.empty() && !meshes[sockets_[i].mesh]) continue;
+    const Point* const first = points(sockets_[i]).data();
+    const auto position = [&](std::size_t point) { return rows + 3 * std::size_t(first[point].index); };
+    write_frame(sockets_[i], fit(sockets_[i], position), frames + i * frame_floats);
+  }
 }
 
 }  // namespace fb::runtime

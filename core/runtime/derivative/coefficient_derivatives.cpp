@@ -29,8 +29,8 @@ CoefficientDerivatives::CoefficientDerivatives(const EvaluationLayout& layout, s
   }
 }
 
-void CoefficientDerivatives::run(const float* controls) {
-  features_.run(layout_.kernels, controls);
+void CoefficientDerivatives::run(const float* controls, const std::uint8_t* downwards) {
+  features_.run(layout_.kernels, controls, downwards);
   for (RegionDerivative& region : regions_) region.run(layout_.kernels, features_);
   if (!layout_.exact.empty()) layout_.exact.find_weight_derivatives(controls, exact_, of_exact_.data());
 }

@@ -28,7 +28,8 @@ class CoefficientDerivatives {
   CoefficientDerivatives(const EvaluationLayout& layout, std::span<const std::uint8_t> used,
                          std::span<const RegionSums> sums, std::pmr::memory_resource& memory);
 
-  void run(const float* controls);
+  // See FeatureDerivatives::run.
+  void run(const float* controls, const std::uint8_t* downwards);
 
   // The controls that a coefficient that is used depends on, ascending, and its derivative by each.
   std::span<const std::uint32_t> controls(std::size_t coefficient) const;

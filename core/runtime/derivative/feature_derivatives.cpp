@@ -50,13 +50,12 @@ void FeatureDerivatives::add_combined(const FeatureGraph::Combined& combined) {
   first_.push_back(static_cast<std::uint32_t>(controls_.size()));
 }
 
-void FeatureDerivatives::run(const PoseKernels& kernels, const float* controls) {
+void FeatureDerivatives::run(const PoseKernels& kernels, const float* controls, const std::uint8_t* downwards) {
   graph_.run(kernels, controls, 0, 1, state_);
   for (std::size_t c = 0; c < directions_.size(); ++c) {
     const float least = graph_.minimum(c), most = graph_.maximum(c);
-    directions_[c] = controls[c] < least || controls[c] > most || least == most ? 0.0f
-                     : controls[c] < most                                       ? 1.0f
-                                                                                : -1.0f;
+    const bool down = downwards && downwards[c] ? controls[c] > least : controls[c] >= most;
+    directions_[c] = controls[c] < least || controls[c] > most || least == most ? 0.0f : down ? -1.0f : 1.0f;
     offsets_[c] = std::min(std::max(controls[c], least), most) - graph_.rest(c);
   }
   const std::size_t of_controls = graph_.control_feature_count();

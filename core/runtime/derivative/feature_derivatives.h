@@ -11,14 +11,14 @@
 namespace fb::runtime {
 
 // The features of a pose, and their derivatives by the controls. Where a feature bends, the derivative is that of the
-// side to which the control can move: upwards, but downwards at its maximum. That of a control outside of its range is
-// 0, as is what it is clamped to.
+// side to which the control moves: upwards, unless it is asked for the other one, or its range ends there. That of a
+// control outside of its range is 0, as is what it is clamped to.
 class FeatureDerivatives {
  public:
   FeatureDerivatives(const FeatureGraph& graph, std::pmr::memory_resource& memory);
 
-  // Finds them for controls without NaN.
-  void run(const PoseKernels& kernels, const float* controls);
+  // Finds them for controls without NaN. downwards: by control, whether the other side is asked for; null: of none.
+  void run(const PoseKernels& kernels, const float* controls, const std::uint8_t* downwards);
 
   // By graph index. A feature has derivatives by the controls that it is made of, which ascend.
   float value(std::size_t feature) const { return *state_[feature]; }

@@ -102,17 +102,17 @@ BasisRows PointGroup::rows_of_parts(const EvaluationLayout& layout, const Detail
 }
 
 void PointGroup::mark_joints(std::span<std::uint8_t> wanted) const {
-  for (const Followed& followed : followed_) wanted[followed.joint] = 1;
+  for (const FollowedJoint& followed : followed_) wanted[followed.joint] = 1;
 }
 
 void PointGroup::find_controls(const CoefficientDerivatives& coefficients, const JointDerivatives& joints) {
   std::pmr::vector<std::uint32_t> of_joints(numbers_.get_allocator());
-  for (const Followed& followed : followed_) {
+  for (const FollowedJoint& followed : followed_) {
     const auto of = joints.controls(followed.joint);
     of_joints.insert(of_joints.end(), of.begin(), of.end());
   }
   rows_.find_controls(coefficients, of_joints);
-  for (Followed& followed : followed_)
+  for (FollowedJoint& followed : followed_)
     for (const std::uint32_t control : joints.controls(followed.joint))
       followed.places.push_back(static_cast<std::uint32_t>(
           std::lower_bound(controls().begin(), controls().end(), control) - controls().begin()));
@@ -162,12 +162,13 @@ void PointGroup::turn(std::size_t control) {
 void PointGroup::follow_joints(const PoseKernels& kernels, const JointDerivatives& joints) {
   bool turned = false;
   std::fill(turns_.begin(), turns_.end(), 0.0f);
-  for (Followed& followed : followed_) std::fill(followed.rows.begin(), followed.rows.end(), 0.0f);
+  for (FollowedJoint& followed : followed_) std::fill(followed.rows.begin(), followed.rows.end(), 0.0f);
   for (std::size_t p = 0; p < parts_.size(); ++p)
     for (std::uint32_t j = parts_[p].first_joint; j < parts_[p].end_joint; ++j) {
       const JointInfluence& influence = part_joints_[j];
-      const auto followed = std::lower_bound(followed_.begin(), followed_.end(), influence.offset,
-                                             [](const Followed& f, std::uint32_t joint) { return f.joint < joint; });
+      const auto followed =
+          std::lower_bound(followed_.begin(), followed_.end(), influence.offset,
+                           [](const FollowedJoint& f, std::uint32_t joint) { return f.joint < joint; });
       for (std::size_t axis = 0; axis < 3; ++axis)
         followed->rows[axis * part_stride_ + p] += influence.weight * places_[axis * part_stride_ + p];
       followed->rows[3 * part_stride_ + p] += influence.weight * parts_[p].weight;
@@ -179,7 +180,7 @@ void PointGroup::follow_joints(const PoseKernels& kernels, const JointDerivative
           turns_[(3 * row + column) * part_stride_ + p] += influence.weight * change[4 * row + column];
     }
   for (std::size_t c = 0; c < controls().size() && turned; ++c) turn(c);
-  for (const Followed& followed : followed_)
+  for (const FollowedJoint& followed : followed_)
     for (std::size_t c = 0; c < followed.places.size(); ++c) {
       const Change<float>& rate = joints.derivative(followed.joint, c);
       if (std::all_of(rate.begin(), rate.end(), [](float number) { return number == 0; })) continue;

@@ -61,7 +61,7 @@ class PointGroup {
     float weight;
   };
   // What parts follow a joint.
-  struct Followed {
+  struct FollowedJoint {
     std::uint32_t joint;
     std::pmr::vector<float> rows;  // three axes of parts and what moves with the origin, by weight: 4 x stride
     std::pmr::vector<std::uint32_t> places;  // of the joint's controls in those of the group
@@ -79,7 +79,7 @@ class PointGroup {
   std::pmr::vector<JointInfluence> part_joints_;  // by index of the joint
   std::size_t stride_ = 0, part_stride_ = 0;
   BasisRows rows_;  // of parts, by axis
-  std::pmr::vector<Followed> followed_;
+  std::pmr::vector<FollowedJoint> followed_;
   std::pmr::vector<float> turns_;      // by entry of the sum of what joints do to a part, 9 x part_stride_
   std::pmr::vector<float> of_points_;  // derivatives; empty where a point is a part
   std::pmr::vector<float> places_, positions_, work_;  // places_: of parts, before joints

@@ -28,6 +28,14 @@ BlocksOfPoint blocks_of(const EvaluationLayout& layout, const WeightedPoint& poi
 
 }  // namespace
 
+std::pmr::vector<WeightedPoint> PoseDerivative::all_points(const FrameDerivatives& frames,
+                                                           std::span<const WeightedPoint> points,
+                                                           std::pmr::memory_resource& memory) {
+  std::pmr::vector<WeightedPoint> all(points.begin(), points.end(), &memory);
+  frames.visit_vertices([&](std::uint32_t vertex) { all.push_back({{vertex, 0, 0}, {1, 0, 0}}); });
+  return all;
+}
+
 std::pmr::vector<PointGroup> PoseDerivative::make_groups(const EvaluationLayout& layout, const DetailChoice& choice,
                                                          std::span<const WeightedPoint> points,
                                                          std::pmr::memory_resource& memory) {
@@ -48,6 +56,7 @@ std::pmr::vector<PointGroup> PoseDerivative::make_groups(const EvaluationLayout&
 JointDerivatives PoseDerivative::make_joints(std::pmr::memory_resource& memory) const {
   std::pmr::vector<std::uint8_t> wanted(layout_.skin.joint_count(), &memory);
   for (const PointGroup& group : groups_) group.mark_joints(wanted);
+  frames_.mark_joints(wanted);
   return {layout_, choice_, wanted, memory};
 }
 
@@ -72,18 +81,27 @@ CoefficientDerivatives PoseDerivative::make_coefficients(std::pmr::memory_resour
   return {layout_, used, sums, memory};
 }
 
-PoseDerivative::PoseDerivative(const Evaluator& evaluator, std::span<const WeightedPoint> points, float lod,
-                               std::pmr::memory_resource& memory)
+PoseDerivative::PoseDerivative(const Evaluator& evaluator, const Followed& followed, std::pmr::memory_resource& memory)
     : layout_(evaluator.layout()),
-      lod_(lod),
-      choice_(layout_.details, lod),
-      groups_(make_groups(layout_, choice_, points, memory)),
+      lod_(followed.lod),
+      choice_(layout_.details, followed.lod),
+      frames_(layout_, followed.sockets, followed.joints, memory),
+      groups_(make_groups(layout_, choice_, all_points(frames_, followed.points, memory), memory)),
+      places_(&memory),
       joints_(make_joints(memory)),
       coefficients_(make_coefficients(memory)),
       workspace_(evaluator, 1, memory),
       rows_(layout_.row_stride(), &memory) {
   joints_.find_controls(coefficients_);
-  for (PointGroup& group : groups_) group.find_controls(coefficients_, joints_);
+  std::size_t points = 0;
+  for (PointGroup& group : groups_) {
+    group.find_controls(coefficients_, joints_);
+    points += group.numbers().size();
+  }
+  places_.resize(points);
+  for (std::uint32_t g = 0; g < groups_.size(); ++g)
+    for (std::uint32_t p = 0; p < groups_[g].numbers().size(); ++p) places_[groups_[g].numbers()[p]] = {g, p};
+  frames_.set_places(std::span(places_).subspan(followed.points.size()));
 }
 
 void PoseDerivative::find_positions(const float* controls) {
@@ -94,13 +112,15 @@ void PoseDerivative::find_positions(const float* controls) {
   PoseExecution(layout_, {.lod = lod_}, workspace_).run_pose(controls, output);
   joints_.find_changes(rows_.data());
   for (PointGroup& group : groups_) group.find_positions(rows_.data(), joints_);
+  frames_.find_frames(groups_, joints_);
 }
 
-void PoseDerivative::run(const float* controls) {
+void PoseDerivative::run(const float* controls, const std::uint8_t* downwards) {
   find_positions(controls);
-  coefficients_.run(controls);
+  coefficients_.run(controls, downwards);
   joints_.run(layout_.kernels, coefficients_);
   for (PointGroup& group : groups_) group.run(layout_.kernels, coefficients_, joints_);
+  if (frames_.count() > 0) frames_.run(groups_, joints_);
 }
 
 }  // namespace fb::runtime
