@@ -67,6 +67,21 @@ class HttpServer::FileExchange final : public Exchange {
   std::shared_ptr<Work> work_;
 };
 
+// What is made anew for each request.
+class HttpServer::NewsExchange final : public Exchange {
+ public:
+  explicit NewsExchange(const News& news) : news_(news) {}
+
+  void take_body(std::string_view) override {}
+  std::shared_ptr<Work> work() override { return nullptr; }
+  Reply answer() override {
+    return {200, answer_with(news_.make(), [] {}, {{"Content-Type", news_.type}})};
+  }
+
+ private:
+  const News& news_;
+};
+
 // A call: what it answers to the body.
 class HttpServer::CallExchange final : public Exchange {
  public:
@@ -116,6 +131,10 @@ void HttpServer::add_file(const std::string& path, const std::string& type, std:
   files_[path] = {type, {}, std::move(make), nullptr, true};
 }
 
+void HttpServer::add_news(const std::string& path, const std::string& type, std::function<std::string()> make) {
+  news_[path] = {type, std::move(make)};
+}
+
 void HttpServer::add_call(const std::string& path, std::function<std::string(const std::string& body)> answer) {
   calls_[path] = std::move(answer);
 }
@@ -124,12 +143,14 @@ HttpServer::Taken HttpServer::take(const RequestHead& head) {
   if (const Refusal refusal = check_request(head, daemon_.port()); refusal.status != 0)
     return in_words(refusal.status, refusal.words);
   const auto file = files_.find(head.path == "/" ? "/index.html" : head.path);
-  const bool runs_a_rig = !head.reads() || (file != files_.end() && file->second.needs_token);
-  if (head.reads() && file == files_.end()) return in_words(404, "there is no such file");
+  const auto news = head.reads() ? news_.find(head.path) : news_.end();
+  const bool needs_token = !head.reads() || news != news_.end() || (file != files_.end() && file->second.needs_token);
+  if (head.reads() && file == files_.end() && news == news_.end()) return in_words(404, "there is no such file");
   if (!head.reads() && !calls_.contains(head.path)) return in_words(404, "there is no such call");
-  if (runs_a_rig && !bears_token(head.authorization, token_))
+  if (needs_token && !bears_token(head.authorization, token_))
     return in_words(401, "this takes the token in the address that facebaker view has printed: open that address",
                     {{"WWW-Authenticate", "Bearer"}});
+  if (news != news_.end()) return std::make_shared<NewsExchange>(news->second);
   if (head.reads()) return std::make_shared<FileExchange>(file->second, head);
   return take_call(head);
 }

@@ -19,6 +19,7 @@ class HttpServer final : public ViewServer {
   std::string address() const override;
   void add_file(const std::string& path, const std::string& type, std::string bytes) override;
   void add_file(const std::string& path, const std::string& type, std::function<std::string()> make) override;
+  void add_news(const std::string& path, const std::string& type, std::function<std::string()> make) override;
   void add_call(const std::string& path, std::function<std::string(const std::string& body)> answer) override;
   bool run(const std::function<bool()>& stop) override;
 
@@ -32,8 +33,13 @@ class HttpServer final : public ViewServer {
     std::shared_ptr<Work> making;       // by this, which is not taken over yet
     bool needs_token = false;
   };
+  struct News {
+    std::string type;
+    std::function<std::string()> make;
+  };
   using Call = std::function<std::string(const std::string& body)>;
   class FileExchange;
+  class NewsExchange;
   class CallExchange;
   using Taken = std::variant<Reply, std::shared_ptr<Exchange>>;
 
@@ -42,6 +48,7 @@ class HttpServer final : public ViewServer {
 
   const std::string token_;
   std::map<std::string, File, std::less<>> files_;
+  std::map<std::string, News, std::less<>> news_;
   std::map<std::string, Call, std::less<>> calls_;
   std::size_t body_bytes_ = 0;   // of calls that are under way
   std::shared_ptr<void> slots_;  // a copy for each call, until its answer is read

@@ -10,7 +10,7 @@ namespace fb::tool {
 
 // Answers requests from 127.0.0.1 alone, and of pages that it served alone: a request that names another host, or comes
 // from a page of another, is refused. What takes work, and may run a rig, is done for those alone who have the token of
-// address(). It knows nothing of the disk: what was not added is not there. Files and calls are added before run().
+// address(). It knows nothing of the disk: what was not added is not there. All of it is added before run().
 class ViewServer {
  public:
   virtual ~ViewServer() = default;
@@ -25,6 +25,9 @@ class ViewServer {
   // answer with status 500 and its message; the next request tries again. One piece of work at a time is done, files
   // and calls alike, on a thread of the server.
   virtual void add_file(const std::string& path, const std::string& type, std::function<std::string()> make) = 0;
+  // A file that is another one at each request, for those with the token: `make` takes no time, does not fail, and is
+  // called on the thread of run().
+  virtual void add_news(const std::string& path, const std::string& type, std::function<std::string()> make) = 0;
   // What answers a POST of those with the token: from its body, of 16 MiB at most, an application/octet-stream.
   virtual void add_call(const std::string& path, std::function<std::string(const std::string& body)> answer) = 0;
 

@@ -27,6 +27,7 @@ const std::map<std::string, std::string, std::less<>>& contents() {
   static const std::map<std::string, std::string, std::less<>> files = {{"text/html", "<title>a page</title>"},
                                                                         {"text/css", ""},
                                                                         {"image/png", std::string(70000, 'p')},
+                                                                        {"application/json", "{}"},
                                                                         {"model/made", "made once"}};
   return files;
 }
@@ -38,6 +39,7 @@ HttpServer& server() {
     one->add_file("/empty", "text/css", contents().at("text/css"));
     one->add_file("/large", "image/png", contents().at("image/png"));
     one->add_file("/made", "model/made", [] { return contents().at("model/made"); });
+    one->add_news("/news", "application/json", [] { return contents().at("application/json"); });
     one->add_file("/fails", "text/html", []() -> std::string { throw std::runtime_error("it fails"); });
     one->add_call("/call", [](const std::string& body) { return body + body; });
     return one;
