@@ -10,6 +10,7 @@
 #include "base/match_names.h"
 #include "base/shown_path.h"
 #include "base/status.h"
+#include "capture/capture_mapping.h"
 #include "commands/pose_controls.h"
 
 namespace fb::tool {
@@ -97,8 +98,7 @@ void read_row(const CsvFile& file, const Columns& columns, const std::vector<fb_
     if (!std::isfinite(value))
       fail(Status::not_finite, "%s, column \"%s\": %s is no number", file.where().c_str(), file.names()[i].c_str(),
            file.cell(i).c_str());
-    rows[first + *columns.controls[i]] =
-        *control.unit ? control.rest + value * (control.maximum - control.rest) : value;
+    rows[first + *columns.controls[i]] = static_cast<float>(control_value(control, value));
   }
 }
 

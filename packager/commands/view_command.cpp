@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/shown_path.h"
 #include "base/status.h"
+#include "commands/capture_options.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/interrupt.h"
@@ -35,6 +36,7 @@ struct ViewCommand {
   int port = viewer_port;
   bool no_open = false;
   RigOptions rigs;
+  CaptureOptions capture;
 
   void run() const;
 
@@ -68,6 +70,15 @@ void add_reference(ViewServer& server, const facebaker::SourceView& source, cons
                     [&source](const std::string& controls) { return reference_pose(source, controls); });
 }
 
+// Adds what the page asks for again and again, and returns what it is told of it.
+nlohmann::ordered_json add_capture(ViewServer& server, const CaptureSession& session, const CaptureOptions& options) {
+  server.add_news("/capture.json", "application/json", [&session] { return session.json(); });
+  return {{"url", "capture.json"},
+          {"source", options.source()},
+          {"address", options.address()},
+          {"port", session.socket().port()}};
+}
+
 void ViewCommand::run() const {
   if (archives.size() > 2) fail(Status::invalid_argument, "%zu faces: two can be seen at once", archives.size());
   const auto files = read_page_folder(find_page_folder(page));
@@ -77,6 +88,7 @@ void ViewCommand::run() const {
   std::optional<facebaker::Source> source;
   if (!beside.empty()) source = open_beside(beside, rigs, *model, archives[0], notes, shown_clip_frames, shown_poses);
   for (const std::string& note : notes) print_line(note);
+  const std::unique_ptr<CaptureSession> session = capture.start(*model);
 
   const std::unique_ptr<ViewServer> opened = open_view_server(port);
   ViewServer& server = *opened;
@@ -89,6 +101,7 @@ void ViewCommand::run() const {
     add_reference(server, *reference, clips);
     document["beside"] = nlohmann::ordered_json::parse(reference_json(*reference, clips, beside_folder));
   }
+  if (session) document["capture"] = add_capture(server, *session, capture);
   server.add_file("/view.json", "application/json",
                   document.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   print_result(server.address() + "\n");
@@ -126,6 +139,7 @@ void add_view(Command tool) {
          "The folder of the built viewer (samples/viewer/build.sh); by default ../share/facebaker/viewer beside "
          "this program, or build/viewer where it was built")
       .type_name("FOLDER");
+  command->capture.add_to(app);
   command->rigs.add_clip_budget_to(app);
   command->rigs.add_to(app);
   app.when_called([command] { command->run(); });

@@ -22,7 +22,7 @@ def write_page(folder: pathlib.Path) -> None:
     (folder / "secret").write_text("secret")
 
 
-def write_dataset(folder: pathlib.Path) -> None:
+def write_dataset(folder: pathlib.Path, names: tuple[str, str] = ("up", "out")) -> None:
     """Two controls that move a square, and a shot of three frames to measure on."""
     folder.mkdir()
 
@@ -45,7 +45,7 @@ def write_dataset(folder: pathlib.Path) -> None:
     document = {
         "format": "facebaker-dataset", "version": 1, "name": "square", "units": "cm", "up_axis": "y",
         "rest": {"points": "rest.npy", "faces": "faces.npy"},
-        "controls": [{"name": name, "min": 0, "max": 1, "default": 0} for name in ("up", "out")],
+        "controls": [{"name": name, "min": 0, "max": 1, "default": 0} for name in names],
         "clips": [{"name": name, "kind": "dense" if name == "train" else "shot", "fps": 24,
                    "split": "train" if name == "train" else "test",
                    "controls": f"{name}.controls.npy", "points": f"{name}.points.npy"} for name in clips],
