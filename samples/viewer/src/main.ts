@@ -1,4 +1,5 @@
 import { takeToken } from "./app/access_token";
+import { Capture } from "./app/capture";
 import { keepExpressions } from "./app/kept_expressions";
 import { type LoadedFace, loadFace, prepareFace } from "./app/open_faces";
 import { TimeToFace } from "./app/time_to_face";
@@ -8,6 +9,7 @@ import { Stage } from "./scene/stage";
 import { offerHeadset } from "./scene/vr_button";
 import { startAboutPanel } from "./ui/about_panel";
 import { watchBarHeights } from "./ui/bar_heights";
+import { startCaptureLine } from "./ui/capture_line";
 import { startClipsPanel } from "./ui/clips_panel";
 import { byId } from "./ui/dom";
 import { startExpressionsPanel } from "./ui/expressions_panel";
@@ -81,6 +83,11 @@ function startPanels(viewer: Viewer): void {
     button.addEventListener("click", () => stage.lookFrom(Number(button.dataset.right), Number(button.dataset.up)));
 }
 
+function startCapture(capture: Capture): void {
+  startCaptureLine(capture);
+  capture.start();
+}
+
 /** Shows what the page was opened for. */
 async function showFirst(viewer: Viewer, opening: Promise<Opening>): Promise<void> {
   try {
@@ -97,6 +104,7 @@ async function showFirst(viewer: Viewer, opening: Promise<Opening>): Promise<voi
   viewer.addClips(await clipsBeside(list, viewer.first.face));
   if (viewer.truth) viewer.truth.live = list.beside?.live === true;
   viewer.modeChanged.emit();
+  if (list.capture) startCapture(new Capture(viewer, list.capture));
 }
 
 /** The picture; null where the browser cannot draw it. */

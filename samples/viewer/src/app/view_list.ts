@@ -2,6 +2,7 @@ import type { Face } from "facebaker";
 import type { Clip } from "../clips/clip";
 import { controlsOf, parseNpy } from "../clips/npy";
 import { tokenHeaders } from "./access_token";
+import type { CaptureSource } from "./capture";
 
 /** view.json beside the page, which `facebaker view` and samples/viewer/build.sh write: what to show at the start. */
 export interface ViewList {
@@ -11,6 +12,7 @@ export interface ViewList {
     live: boolean;
     clips: { name: string; kind: string; fps: number; frames: number; all_frames: number; controls: string; points: string }[];
   };
+  capture?: CaptureSource;
 }
 
 export async function readViewList(): Promise<ViewList> {
