@@ -3,9 +3,9 @@
 
     generate_interop.py --headers DIR --out NativeInterop.cs
 
-DIR holds facebaker.h and facebaker_character.h. Structs are blittable: sequential, with pointers as pointers and functions
-as IntPtr, so that nothing is converted or allocated in a call. What cannot be read in a header, or written in C#, is an
-error. Standard library only."""
+DIR holds facebaker.h, facebaker_character.h and facebaker_solve.h. Structs are blittable: sequential, with pointers as
+pointers and functions as IntPtr, so that nothing is converted or allocated in a call. What cannot be read in a header, or
+written in C#, is an error. Standard library only."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ SCALARS: Dict[str, str] = {
     "int8_t": "sbyte", "uint8_t": "byte", "uint16_t": "ushort", "int32_t": "int", "uint32_t": "uint", "int64_t": "long",
     "uint64_t": "ulong", "float": "float", "double": "double", "size_t": "UIntPtr", "char": "byte", "void": "void",
 }
-HANDLES = {"fb_model": "ModelHandle", "fb_scratch": "ScratchHandle"}
-RAW_HANDLES = ("fb_retain", "fb_release", "fb_scratch_destroy")  # called with the pointer itself, by the handles
+HANDLES = {"fb_model": "ModelHandle", "fb_scratch": "ScratchHandle", "fb_solver": "SolverHandle"}
+RAW_HANDLES = ("fb_retain", "fb_release", "fb_scratch_destroy", "fb_solver_destroy")  # called with the pointer itself, by the handles
 KEYWORDS = {"object", "in", "out", "ref", "params", "fixed", "base", "event", "lock", "string", "to_"}
 
 

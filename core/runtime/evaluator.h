@@ -128,6 +128,8 @@ class Evaluator {
   // invalid_argument if a buffer is too small, poses overlap or the model has no tangents, with not_finite on NaN,
   // naming pose and control.
   void evaluate_batch(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel = {}) const;
+  // The first control that is NaN, or control_count().
+  std::size_t find_nan(const float* controls) const;
 
  private:
   class BatchPoses;
@@ -135,8 +137,6 @@ class Evaluator {
   void check_batch(const Batch& batch) const;
   void check_errors(const Batch& batch) const;
   std::size_t check_detail(const Batch& batch) const;
-  // The first control that is NaN, or control_count().
-  std::size_t find_nan(const float* controls) const;
   void refuse_nan(const float* controls) const;
 
   const EvaluationLayout layout_;

@@ -107,4 +107,17 @@ namespace FaceBaker
             return true;
         }
     }
+
+    internal sealed class SolverHandle : SafeHandle
+    {
+        public SolverHandle() : base(IntPtr.Zero, true) { }
+
+        public override bool IsInvalid { get { return handle == IntPtr.Zero; } }
+
+        protected override bool ReleaseHandle()
+        {
+            Native.fb_solver_destroy(handle);
+            return true;
+        }
+    }
 }

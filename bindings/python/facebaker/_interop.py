@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from ctypes import (
     CFUNCTYPE, POINTER, Structure, c_char_p, c_double, c_float, c_int32, c_int64, c_size_t, c_uint16, c_uint32,
-    c_uint64, c_void_p,
+    c_uint64, c_uint8, c_void_p,
 )
 from typing import Any, Dict, List, Tuple
 
@@ -204,6 +204,36 @@ class fb_level(Structure):
         ("struct_size", c_uint32), ("vertex_count", c_uint32), ("polygon_count", c_uint32), ("corner_count", c_uint32),
         ("polygon_sizes", POINTER(c_uint32)), ("polygon_corners", POINTER(c_uint32)), ("uv_corners", POINTER(c_uint32)),
         ("meshes", POINTER(fb_mesh)), ("coefficient_count", c_uint32), ("reserved", c_uint32),
+    ]
+class fb_solver_desc(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("point_count", c_uint32), ("point_vertices", POINTER(c_uint32)),
+        ("point_weights", POINTER(c_float)), ("pairs", POINTER(c_uint32)), ("pair_count", c_uint32),
+        ("socket_count", c_uint32), ("sockets", POINTER(c_uint32)), ("joints", POINTER(c_uint32)),
+        ("joint_count", c_uint32), ("lod", c_float),
+    ]
+class fb_jacobian_desc(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("chosen_count", c_uint32), ("controls", POINTER(c_float)),
+        ("chosen", POINTER(c_uint32)), ("downwards", POINTER(c_uint8)), ("values", c_void_p), ("derivatives", c_void_p),
+        ("derivative_floats", c_uint64), ("column_starts", c_void_p), ("column_rows", c_void_p),
+        ("column_values", c_void_p), ("column_entries", c_uint64),
+    ]
+class fb_solve_desc(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("max_iterations", c_uint32), ("points", POINTER(c_float)),
+        ("point_weights", POINTER(c_float)), ("distances", POINTER(c_float)), ("distance_weights", POINTER(c_float)),
+        ("frames", POINTER(c_float)), ("frame_weights", POINTER(c_float)), ("relative", c_uint32),
+        ("find_motion", c_uint32), ("to_face", c_float * 12), ("noise", c_float), ("nearness", c_float),
+        ("sparsity", c_float), ("smoothness", c_float), ("symmetry", c_float), ("tolerance", c_float),
+        ("near_controls", POINTER(c_float)), ("before", POINTER(c_float)), ("movable", POINTER(c_uint8)),
+        ("controls", c_void_p), ("motion", c_void_p), ("decided", c_void_p), ("point_differences", c_void_p),
+    ]
+class fb_solve_result(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("iterations", c_uint32), ("converged", c_uint32), ("point_count", c_uint32),
+        ("worst_point", c_uint32), ("rms_difference", c_float), ("max_difference", c_float), ("reserved", c_float),
+        ("objective", c_double),
     ]
 class fb_rig_control(Structure):
     _fields_ = [
@@ -475,8 +505,17 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_driven_skin_joints": (POINTER(c_uint16), [c_void_p]), "fb_driven_skin_weights": (POINTER(c_float), [c_void_p]),
     "fb_level_fill": (None, [POINTER(fb_level), c_uint32]), "fb_level_count": (c_uint32, [c_void_p]),
     "fb_level_at": (c_int32, [c_void_p, c_uint32, POINTER(fb_level)]), "fb_about": (c_char_p, [c_void_p]),
-    "fb_thumbnail": (c_void_p, [c_void_p, c_void_p]), "fb_progress_phase": (c_int32, []),
-    "fb_source_desc_fill": (None, [POINTER(fb_source_desc), c_uint32]),
+    "fb_thumbnail": (c_void_p, [c_void_p, c_void_p]),
+    "fb_solver_desc_fill": (None, [POINTER(fb_solver_desc), c_uint32]),
+    "fb_solver_create": (c_int32, [c_void_p, POINTER(fb_solver_desc), POINTER(c_void_p)]),
+    "fb_solver_destroy": (None, [c_void_p]), "fb_solver_point_count": (c_uint32, [c_void_p]),
+    "fb_solver_row_count": (c_uint32, [c_void_p]),
+    "fb_jacobian_desc_fill": (None, [POINTER(fb_jacobian_desc), c_uint32]),
+    "fb_jacobian": (c_int32, [c_void_p, POINTER(fb_jacobian_desc)]),
+    "fb_solve_desc_fill": (None, [POINTER(fb_solve_desc), c_uint32]),
+    "fb_solve_result_fill": (None, [POINTER(fb_solve_result), c_uint32]),
+    "fb_solve": (c_int32, [c_void_p, POINTER(fb_solve_desc), POINTER(fb_solve_result)]),
+    "fb_progress_phase": (c_int32, []), "fb_source_desc_fill": (None, [POINTER(fb_source_desc), c_uint32]),
     "fb_source_open": (c_int32, [POINTER(fb_source_desc), POINTER(c_void_p)]), "fb_source_close": (None, [c_void_p]),
     "fb_source_serve": (c_int32, [POINTER(fb_source_desc), c_int32, c_int32]),
     "fb_source_info_fill": (None, [POINTER(fb_source_info), c_uint32]),

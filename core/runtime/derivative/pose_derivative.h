@@ -1,6 +1,7 @@
 // The derivatives of points of a face, and of frames that follow it, by its controls.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
@@ -36,6 +37,11 @@ class PoseDerivative {
   // All points by groups; those behind the ones asked for are of sockets.
   std::span<const PointGroup> groups() const { return groups_; }
   PointPlace place(std::size_t point) const { return places_[point]; }
+  std::array<float, 3> position(std::size_t point) const {
+    const PointGroup& group = groups_[places_[point].group];
+    const float* const first = group.positions() + places_[point].slot;
+    return {first[0], first[group.stride()], first[2 * group.stride()]};
+  }
   const FrameDerivatives& frames() const { return frames_; }
 
  private:

@@ -44,6 +44,8 @@ class PoseSolver {
              std::pmr::memory_resource& memory);
 
   const SolveResiduals& residuals() const { return residuals_; }
+  PoseDerivative& derivative() { return residuals_.derivative(); }
+  const PoseDerivative& derivative() const { return residuals_.derivative(); }
 
   // controls, in and out: where it starts, without NaN, and the solution; motion: likewise.
   SolveResult solve(const SolveTargets& targets, const SolvePreferences& preferences, float* controls,

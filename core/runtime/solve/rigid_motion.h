@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 namespace fb::runtime {
 
@@ -9,7 +10,11 @@ struct RigidMotion {
   std::array<double, 4> rotation = {1, 0, 0, 0};  // a unit quaternion: w, x, y, z
   std::array<double, 3> translation = {};
 
-  // Row after row.
+  // Of a matrix of three rows and four columns; nothing where that is none of a rotation and a translation.
+  static std::optional<RigidMotion> of_matrix(const float* rows);
+  void write_matrix(float* rows) const;
+
+  // The rotation, row after row.
   std::array<double, 9> matrix() const {
     const auto [w, x, y, z] = rotation;
     return {w * w + x * x - y * y - z * z, 2 * (x * y - w * z),           2 * (x * z + w * y),

@@ -141,16 +141,10 @@ double SolveResiduals::half_of_squares(Rows& rows, const float* values) const {
   return 0.5 * sum;
 }
 
-std::array<float, 3> SolveResiduals::position(std::size_t point) const {
-  const PointGroup& group = pose_.groups()[pose_.place(point).group];
-  const float* const first = group.positions() + pose_.place(point).slot;
-  return {first[0], first[group.stride()], first[2 * group.stride()]};
-}
-
 std::array<float, 3> SolveResiduals::difference(std::size_t point) const {
   if (!counts(point)) return {};
   const auto [group, slot] = pose_.place(point);
-  std::array<float, 3> difference = position(point);
+  std::array<float, 3> difference = pose_.position(point);
   for (std::size_t axis = 0; axis < 3; ++axis)
     difference[axis] -= rows_[group].targets[axis * pose_.groups()[group].stride() + slot];
   return difference;
@@ -158,7 +152,7 @@ std::array<float, 3> SolveResiduals::difference(std::size_t point) const {
 
 void SolveResiduals::find_extra_values() {
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
-    const std::array<float, 3> a = position(pairs_[k].first), b = position(pairs_[k].second);
+    const std::array<float, 3> a = pose_.position(pairs_[k].first), b = pose_.position(pairs_[k].second);
     const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
     extra_values_[k] = std::sqrt((x * x + y * y) + z * z);
   }
@@ -171,7 +165,7 @@ void SolveResiduals::find_extra_derivatives() {
   std::fill(by_control_.begin(), by_control_.end(), 0.0f);
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     if (extra_values_[k] == 0) continue;
-    const std::array<float, 3> a = position(pairs_[k].first), b = position(pairs_[k].second);
+    const std::array<float, 3> a = pose_.position(pairs_[k].first), b = pose_.position(pairs_[k].second);
     for (const auto& [point, sign] : {std::pair(pairs_[k].first, 1.0f), std::pair(pairs_[k].second, -1.0f)}) {
       const PointGroup& group = pose_.groups()[pose_.place(point).group];
       const std::size_t stride = group.stride(), slot = pose_.place(point).slot;

@@ -39,9 +39,8 @@ class SolveResiduals {
   SolveResiduals(const Evaluator& evaluator, const Followed& followed, std::span<const PointPair> pairs,
                  std::pmr::memory_resource& memory);
 
-  std::size_t control_count() const { return lengths_.size(); }
-  std::size_t point_count() const { return point_count_; }
-  std::size_t pair_count() const { return pairs_.size(); }
+  PoseDerivative& derivative() { return pose_; }
+  const PoseDerivative& derivative() const { return pose_; }
 
   // noise: what a difference is told in, above 0. Numbers are finite.
   void set_targets(const SolveTargets& targets, double noise);
@@ -60,7 +59,6 @@ class SolveResiduals {
 
   // Of the last pose: where a point is, less where it should be, in units of the face; 0 where its weight is 0.
   std::array<float, 3> difference(std::size_t point) const;
-  float distance_difference(std::size_t pair) const { return extra_values_[pair] - rows_.back().targets[pair]; }
   bool counts(std::size_t point) const { return weight(point) > 0; }
 
  private:
@@ -88,7 +86,6 @@ class SolveResiduals {
                     bool direction) const;
   void find_extra_values();
   void find_extra_derivatives();
-  std::array<float, 3> position(std::size_t point) const;
   void add_products_of(const Rows& rows, std::span<const std::uint32_t> controls, const float* first,
                        std::span<const std::uint32_t> unknowns, float* matrix, std::size_t stride);
 
