@@ -68,7 +68,7 @@ std::vector<Correspondence> read_correspondence(const std::filesystem::path& pat
       c.vertex = index_of(rows[i][0], face_vertices, "face");
       for (std::size_t k = 0; k < 3; ++k) {
         c.other.vertices[k] = index_of(rows[i][1 + k], other_vertices, "target");
-        c.other.weights[k] = static_cast<float>(rows[i][4 + k]);
+        c.other.weights[k] = checked_weight(rows[i][4 + k]);
       }
       c.other = checked_surface_point(c.other, other_vertices);
       const auto [same, fresh] = first.try_emplace(c.vertex, i);

@@ -223,6 +223,12 @@ Alignment best_of(const std::vector<Similarity>& guesses, const Aligner& aligner
   return alignment;
 }
 
+// The scale that options say, if any.
+std::optional<double> given_scale(const AlignmentOptions& options) {
+  if (options.scale) return options.scale;
+  return options.start ? std::optional(options.start->scale) : std::nullopt;
+}
+
 }  // namespace
 
 Alignment align_surfaces(const SampledSurface& other, const SampledSurface& face, const AlignmentOptions& options) {
@@ -235,34 +241,40 @@ Alignment align_surfaces(const SampledSurface& other, const SampledSurface& face
     }
     return Directions{pairs_with_face(points, normals, to_face, face), pairs_with_other(other, to_face, face, stride)};
   };
-  std::vector<Similarity> rotations = axis_rotations();
-  for (const Similarity& s : principal_rotations(other.samples.points, face.samples.points)) rotations.push_back(s);
   constexpr double most_ratio = 4;
-  const double by_size = face.diagonal / other.diagonal, middle = options.scale.value_or(by_size),
-               range = options.scale ? options.scale_range : most_ratio;
+  const std::optional<double> scale = given_scale(options);
+  const double middle = scale.value_or(face.diagonal / other.diagonal),
+               range = scale ? options.scale_range : most_ratio;
   const Aligner aligner({.find = find,
                          .least_kept = 0.3,
                          .least = middle / range,
                          .most = middle * range,
-                         .first_free = !options.scale,
+                         .first_free = !scale,
                          .size = face.diagonal});
-  return best_of(guesses_by_box(rotations, other.samples.points, face.box, options.scale), aligner, false,
-                 options.parallel);
+  if (options.start) return best_of({*options.start}, aligner, false, options.parallel);
+  std::vector<Similarity> rotations = axis_rotations();
+  for (const Similarity& s : principal_rotations(other.samples.points, face.samples.points)) rotations.push_back(s);
+  return best_of(guesses_by_box(rotations, other.samples.points, face.box, scale), aligner, false, options.parallel);
 }
 
 Alignment align_points(std::span<const Vector3> points, const SampledSurface& face, const std::string& up_axis,
                        double height, const AlignmentOptions& options) {
   if (points.size() < 4)
     fail(Status::bad_data, "%zu markers cannot be aligned with a face: 4 are needed", points.size());
-  if (!options.scale) fail(Status::invalid_argument, "markers are aligned at a known scale");
+  const std::optional<double> scale = given_scale(options);
+  if (!scale) fail(Status::invalid_argument, "markers are aligned at a known scale");
   const FindPairs find = [&](const Similarity& to_face, bool) {
     return Directions(1, pairs_with_face(points, {}, to_face, face, static_cast<float>(height)));
   };
-  const double scale = *options.scale, range = options.scale_range;
   // With fewer, seven points of 24 would fit anything.
-  const Aligner aligner(
-      {.find = find, .least_kept = 0.6, .least = scale / range, .most = scale * range, .size = face.diagonal});
-  return best_of(guesses_in_front(axis_rotations(), points, face.box, up_axis, scale), aligner, true, options.parallel);
+  const Aligner aligner({.find = find,
+                         .least_kept = 0.6,
+                         .least = *scale / options.scale_range,
+                         .most = *scale * options.scale_range,
+                         .size = face.diagonal});
+  if (options.start) return best_of({*options.start}, aligner, true, options.parallel);
+  return best_of(guesses_in_front(axis_rotations(), points, face.box, up_axis, *scale), aligner, true,
+                 options.parallel);
 }
 
 double likely_metres_per_unit(std::span<const Vector3> points) {

@@ -17,6 +17,9 @@ struct AlignmentOptions {
   std::optional<double> scale{};
   // The factor by which the scale that is found may differ from `scale`, for people of other sizes; 1: not at all.
   double scale_range = 1;
+  // Where to begin, nowhere else: what somebody laid roughly by hand, or an alignment of the whole that a part is to
+  // refine. Its scale counts as `scale` where that is not given.
+  std::optional<Similarity> start{};
   Parallel parallel{};
 };
 
@@ -41,7 +44,7 @@ Alignment align_surfaces(const SampledSurface& other, const SampledSurface& face
 
 // The same for markers on the skin of a face: points, 4 of them at least, of which some may be off the surface. They
 // start before the face. up_axis: the face's, "y" or "z". height: of the markers' middles over the skin, in units of
-// the face. Fails with invalid_argument without options.scale.
+// the face. Fails with invalid_argument without options.scale or start.
 Alignment align_points(std::span<const Vector3> points, const SampledSurface& face, const std::string& up_axis,
                        double height, const AlignmentOptions& options);
 

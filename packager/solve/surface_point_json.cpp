@@ -17,7 +17,7 @@ nlohmann::json read_json_document(const std::filesystem::path& path, std::uint64
     check_json_depth(text);
     try {
       return nlohmann::json::parse(text);
-    } catch (const nlohmann::json::parse_error& error) {
+    } catch (const nlohmann::json::exception& error) {  // also of numbers that no double holds
       fail(Status::bad_data, "no JSON: %s", shown(error.what()).c_str());
     }
   });
@@ -42,9 +42,14 @@ SurfacePoint surface_point_of(const nlohmann::json& vertices, const nlohmann::js
   for (std::size_t k = 0; k < weights.size(); ++k) {
     if (!weights[k].is_number())
       fail(Status::bad_data, "\"weights\" has %s, no number", shown(weights[k].dump()).c_str());
-    point.weights[k] = weights[k].get<float>();
+    point.weights[k] = checked_weight(weights[k].get<double>());
   }
   return checked_surface_point(point, vertex_count);
+}
+
+float checked_weight(double weight) {
+  if (!(weight >= -1 && weight <= 2)) fail(Status::bad_data, "the weight %g is not from -1 to 2", weight);
+  return static_cast<float>(weight);
 }
 
 SurfacePoint checked_surface_point(SurfacePoint point, std::size_t vertex_count) {
@@ -52,8 +57,6 @@ SurfacePoint checked_surface_point(SurfacePoint point, std::size_t vertex_count)
   for (std::size_t k = 0; k < 3; ++k) {
     if (point.vertices[k] >= vertex_count)
       fail(Status::bad_data, "vertex %u, while there are %zu, counted from 0", point.vertices[k], vertex_count);
-    if (!(point.weights[k] >= -1 && point.weights[k] <= 2))
-      fail(Status::bad_data, "the weight %g is not from -1 to 2", point.weights[k]);
     sum += double(point.weights[k]);
   }
   if (!(std::abs(sum - 1) <= 1e-3)) fail(Status::bad_data, "the weights sum to %g, not to 1", sum);

@@ -168,6 +168,7 @@ TEST_CASE("a bad placement is refused with the marker and the reason") {
   const auto marker = [&](const std::string& place) { return fault("{\"markers\": {\"m\": " + place + "}}"); };
   CHECK(fault("{").find("no JSON: ") == 0);
   CHECK(fault(std::string(100, '[')).find("no path") == std::string::npos);
+  CHECK(fault("1e999").find("no JSON: ") == 0);
   CHECK(fault("[]") == "there is no object \"markers\" that says where each marker sits");
   CHECK(fault("{\"markers\": {}}") == "\"markers\" is empty");
   CHECK(marker("3") == "marker \"m\": there is no \"vertices\"");
@@ -179,6 +180,8 @@ TEST_CASE("a bad placement is refused with the marker and the reason") {
   CHECK(marker("{\"vertices\": [1, 10], \"weights\": [1, 0]}") ==
         "marker \"m\": vertex 10, while there are 10, counted from 0");
   CHECK(marker("{\"vertices\": [1, 2], \"weights\": [1, 1]}") == "marker \"m\": the weights sum to 2, not to 1");
+  CHECK(marker("{\"vertices\": [1, 2], \"weights\": [1e300, 4]}") ==
+        "marker \"m\": the weight 1e+300 is not from -1 to 2");
   CHECK(marker("{\"vertices\": [1, 2], \"weights\": [-3, 4]}") == "marker \"m\": the weight -3 is not from -1 to 2");
 }
 

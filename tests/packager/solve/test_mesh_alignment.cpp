@@ -117,6 +117,19 @@ TEST_CASE("a mesh that is turned by any angle is found") {
     CHECK(align(coarse, turned({1, 1, -0.5f}, degrees, 2.5, {5, 6, 7})).millimetres < 0.6);
 }
 
+TEST_CASE("an alignment begins where it is told to, and stays in that orientation") {
+  const SampledSurface other(moved(dual_head(1), far_away()).view(), samples);
+  const Similarity rough = after(turned({0, 1, 0}, 9, 1.03, {0.5, -0.4, 0.3}), far_away().inverse());
+  const Alignment near = align_surfaces(other, face(), {.scale_range = 1.2, .start = rough});
+  CHECK(10 * largest_error(sample_head(), far_away(), near.to_face) < 0.6);
+  CHECK(near.rival == INFINITY);
+  const Similarity backwards = after(turned({0, 1, 0}, 180, 1, {}), far_away().inverse());
+  const Alignment wrong = align_surfaces(other, face(), {.start = backwards});
+  CHECK(degrees_apart(wrong.to_face, backwards) < 30);
+  CHECK(wrong.to_face.scale == backwards.scale);
+  CHECK(wrong.rms > 3 * near.rms);
+}
+
 TEST_CASE("planes that points lie on are reached in a few steps") {
   const Similarity truth = turned({1, 2, 3}, 5, 1.1, {0.1, 0.2, -0.3});
   Random random(6);
