@@ -1,4 +1,5 @@
 #include "bake/authoring.h"
+#include "bake/dataset/array_file.h"
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
 #include "bake/dataset/open_source.h"
@@ -162,6 +163,16 @@ fb::bake::NpyFile open_clip_file(const char* path, std::uint32_t control_count) 
   return file;
 }
 
+std::unique_ptr<const fb::bake::ArrayFile> open_point_file(const char* path) {
+  require(path, "path");
+  auto file = fb::bake::open_array(path);
+  if (file->shape().size() != 3 || file->shape()[2] != 3 || file->shape()[1] == 0)
+    fail(Status::bad_data, "%s: shape %s is not frames x points x 3", fb::shown(path).c_str(),
+         file->shape_text().c_str());
+  if (file->rows() == 0) fail(Status::bad_data, "%s: no frames", fb::shown(path).c_str());
+  return file;
+}
+
 }  // namespace
 
 extern "C" {
@@ -294,6 +305,32 @@ fb_status fb_clip_file_read(const char* path, uint32_t control_count, uint64_t f
       fail(Status::invalid_argument, "%s: has %zu frames, not %llu from frame %llu on", fb::shown(path).c_str(),
            file.rows(), static_cast<unsigned long long>(count), static_cast<unsigned long long>(first));
     file.read(first, count, {controls, count * control_count});
+  });
+}
+
+fb_status fb_point_file_size(const char* path, uint64_t* frames, uint64_t* points) {
+  return abi_guard([&] {
+    require(frames, "frames");
+    require(points, "points");
+    const auto file = open_point_file(path);
+    *frames = file->rows();
+    *points = file->shape()[1];
+  });
+}
+
+fb_status fb_point_file_read(const char* path, uint64_t first, uint64_t count, float* positions,
+                             uint64_t position_floats) {
+  return abi_guard([&] {
+    require(positions, "positions");
+    const auto file = open_point_file(path);
+    if (first > file->rows() || count > file->rows() - first)
+      fail(Status::invalid_argument, "%s: has %zu frames, not %llu from frame %llu on", fb::shown(path).c_str(),
+           file->rows(), static_cast<unsigned long long>(count), static_cast<unsigned long long>(first));
+    const std::size_t floats = fb::checked_multiply(static_cast<std::size_t>(count), file->row_size(), "positions");
+    if (position_floats < floats)
+      fail(Status::invalid_argument, "position_floats is %llu, and %zu are needed",
+           static_cast<unsigned long long>(position_floats), floats);
+    file->read(static_cast<std::size_t>(first), static_cast<std::size_t>(count), {positions, floats});
   });
 }
 

@@ -18,6 +18,7 @@ void add_inspect(Command tool);
 void add_verify(Command tool);
 void add_pack(Command tool);
 void add_pose(Command tool);
+void add_solve(Command tool);
 void add_view(Command tool);
 void add_export(Command tool);
 void add_bench(Command tool);

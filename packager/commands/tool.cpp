@@ -106,6 +106,7 @@ int run_commands(int argc, char** argv) {
   add_verify(commands);
   add_pack(commands);
   add_pose(commands);
+  add_solve(commands);
   add_view(commands);
   add_export(commands);
   add_bench(commands);

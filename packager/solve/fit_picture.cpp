@@ -69,7 +69,8 @@ Image draw_mesh_fit(const MeshView& face, const MeshView& other, const Similarit
   return make_montage(panels);
 }
 
-Image draw_marker_fit(const MeshView& face, const MarkerPlacement& placement, const FitPictureOptions& options) {
+Image draw_marker_fit(const MeshView& face, const MarkerPlacement& placement, const FitPictureOptions& options,
+                      const std::string& what) {
   const ShownUnit unit = shown_unit(options.unit);
   double most = 0;
   for (const PlacedMarker& marker : placement.markers) most = std::max(most, double(marker.distance));
@@ -78,10 +79,9 @@ Image draw_marker_fit(const MeshView& face, const MarkerPlacement& placement, co
   std::vector<Panel> panels;
   for (const float yaw : {0.0f, side_view}) {
     const Camera camera = camera_for(face, yaw, options);
-    Panel panel{
-        render({.triangles = triangles, .points = face.points}, camera, options.resolution, options.parallel),
-        format("%zu markers: distance from the\nsurface where placed, %s", placement.markers.size(), unit.name.c_str()),
-        yaw != 0 ? std::optional(bar) : std::nullopt};
+    Panel panel{render({.triangles = triangles, .points = face.points}, camera, options.resolution, options.parallel),
+                format("%zu markers: %s, %s", placement.markers.size(), what.c_str(), unit.name.c_str()),
+                yaw != 0 ? std::optional(bar) : std::nullopt};
     for (const PlacedMarker& marker : placement.markers)
       draw_dot(panel.image, camera, marker.point.at(face.points),
                to_srgb(map_colour(static_cast<float>(marker.distance * unit.per_unit), bar.scale)));

@@ -24,8 +24,9 @@ struct FitPictureOptions {
 Image draw_mesh_fit(const MeshView& face, const MeshView& other, const Similarity& to_face,
                     const MeshCorrespondence& correspondence, const FitPictureOptions& options);
 
-// From the front and from half the side: the face with a dot where each marker sits, coloured by its distance from the
-// surface when it was placed.
-Image draw_marker_fit(const MeshView& face, const MarkerPlacement& placement, const FitPictureOptions& options);
+// From the front and from half the side: the face with a dot where each marker sits, coloured by its distance. what:
+// that it is, for the caption.
+Image draw_marker_fit(const MeshView& face, const MarkerPlacement& placement, const FitPictureOptions& options,
+                      const std::string& what = "distance from the\nsurface where placed");
 
 }  // namespace fb::tool

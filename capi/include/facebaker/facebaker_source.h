@@ -255,6 +255,15 @@ FB_API fb_status fb_clip_file_frames(const char* path, uint32_t control_count, u
 FB_API fb_status fb_clip_file_read(const char* path, uint32_t control_count, uint64_t first, uint64_t count,
                                    float* controls);
 
+/** Frames and points of a file of positions, by the end of its name: a point cache, .mdd (LightWave) or .pc2 (3ds Max),
+ * or else a NumPy file of frames x points x 3. Reads the header only. Fails with NOT_FOUND, IO or BAD_DATA, naming the
+ * file. */
+FB_API fb_status fb_point_file_size(const char* path, uint64_t* frames, uint64_t* points);
+/** Reads frames [first, first + count) of such a file into count x points x 3 floats, as the file has them.
+ * `position_floats`: size of the buffer, checked. */
+FB_API fb_status fb_point_file_read(const char* path, uint64_t first, uint64_t count, float* positions,
+                                    uint64_t position_floats);
+
 #ifdef __cplusplus
 }
 #endif
