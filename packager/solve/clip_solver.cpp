@@ -112,6 +112,10 @@ class ClipSolver {
   // Offsets turn with the head, as it was last found.
   void find_targets(std::size_t frame) {
     target_.find(frame, raw_, targets_);
+    const auto infinite = std::find_if(raw_.begin(), raw_.end(), [](float number) { return std::isinf(number); });
+    if (infinite != raw_.end())
+      fail(Status::not_finite, "frame %zu of %s: point %zu is infinite", frame, target_.what.c_str(),
+           static_cast<std::size_t>(infinite - raw_.begin()) / 3);
     if (targets_.size() != 3 * points_)
       fail(Status::bad_data, "frame %zu of %s has %zu points, and %zu are followed", frame, target_.what.c_str(),
            targets_.size() / 3, points_);
