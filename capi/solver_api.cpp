@@ -214,7 +214,7 @@ std::size_t read_chosen(const fb_solver& solver, const fb_jacobian_desc& desc) {
     if (desc.chosen[c] >= controls || (c > 0 && desc.chosen[c] <= desc.chosen[c - 1]))
       fail(Status::invalid_argument, "fb_jacobian_desc: chosen[%zu] is %u, of %zu controls, and they have to ascend", c,
            desc.chosen[c], controls);
-  if (desc.derivatives && desc.derivative_floats / std::max<std::size_t>(chosen, 1) < row_count(solver))
+  if (desc.derivatives && chosen > 0 && desc.derivative_floats / chosen < row_count(solver))
     fail(Status::invalid_argument, "fb_jacobian_desc: derivative_floats is %llu; %zu rows of %zu controls need more",
          static_cast<unsigned long long>(desc.derivative_floats), row_count(solver), chosen);
   if (desc.column_rows) {
@@ -449,7 +449,7 @@ void fb_solve_desc_fill(fb_solve_desc* to, uint32_t struct_size) {
   defaults.max_iterations = 20;
   defaults.to_face[0] = defaults.to_face[5] = defaults.to_face[10] = 1;
   defaults.nearness = defaults.sparsity = 0.1f;
-  defaults.tolerance = 1e-3f;
+  defaults.tolerance = 1e-2f;
   fill_struct(to, struct_size, defaults);
 }
 

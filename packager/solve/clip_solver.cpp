@@ -73,6 +73,7 @@ class ClipSolver {
     desc.smoothness = smoothness;
     desc.symmetry = preferences_.symmetry;
     desc.max_iterations = preferences_.most_iterations;
+    desc.tolerance = 1e-3f;  // a clip has time
     desc.before = before;
     desc.movable = preferences_.movable.empty() ? nullptr : preferences_.movable.data();
     desc.find_motion = preferences_.find_motion;

@@ -108,11 +108,12 @@ typedef struct fb_solve_desc {
                                     all directions; default: the identity */
   float noise;                   /**< what a point's target is off by itself, in fb_units, above 0; default (0): half a
                                     millimetre, or a thousandth of fb_diagonal where the unit is not known */
-  float nearness;                /**< x (control - near)^2 / 2; default 0.1 */
+  float nearness;                /**< x (control - near)^2 / 2; default 0.1. With less than 0.0001, that: what nothing
+                                    else decides goes there */
   float sparsity;                /**< x |control - rest|: few controls rather than many; default 0.1 */
   float smoothness;              /**< x (control - before)^2 / 2; default 0 */
   float symmetry;                /**< x (control - its mirror's)^2 / 2, both from rest; default 0 */
-  float tolerance;               /**< it ends where an iteration lowers the sum by less than this share; default 1e-3 */
+  float tolerance;               /**< it ends where an iteration lowers the sum by less than this share; default 0.01 */
   const float* near_controls;    /**< fb_control_count floats; null: rest */
   const float* before;           /**< the controls of the frame before; null: smoothness does not count */
   const uint8_t* movable;        /**< one a control, 0: it stays where it starts. Null: all move */

@@ -93,6 +93,7 @@ void PoseSolver::find_gradient(const SolvePreferences& preferences) {
 // time, as poses, and sparsity, bend there: one that rests there and is held tries the other side next.
 void PoseSolver::choose_unknowns(const SolvePreferences& preferences) {
   unknowns_.clear();
+  other_sides_ = false;
   for (std::uint32_t c = 0; c < places_.size(); ++c) {
     unknown_of_[c] = UINT32_MAX;
     if (preferences.movable && !preferences.movable[c]) continue;
@@ -101,7 +102,10 @@ void PoseSolver::choose_unknowns(const SolvePreferences& preferences) {
     below_[c] = at < 0 || (at == 0 && (two_sided ? downwards_[c] != 0 : upper_[c] == 0));
     const float slope = gradient_[c] + (below_[c] ? -preferences.sparsity : preferences.sparsity);
     if ((at <= (below_[c] ? lower_[c] : 0) && slope >= 0) || (at >= (below_[c] ? 0 : upper_[c]) && slope <= 0)) {
-      if (two_sided && at == 0) downwards_[c] = !below_[c];
+      if (two_sided && at == 0) {
+        downwards_[c] = !below_[c];
+        other_sides_ = true;
+      }
       continue;
     }
     unknown_of_[c] = static_cast<std::uint32_t>(unknowns_.size());
@@ -243,7 +247,7 @@ SolveResult PoseSolver::solve(const SolveTargets& targets, const SolvePreference
   std::fill(downwards_.begin(), downwards_.end(), std::uint8_t(0));
   for (int idle = 0; result.iterations < preferences.most_iterations && !result.converged;) {
     idle = step(preferences, result, motion) ? 0 : idle + 1;
-    result.converged = idle == 2;  // both sides of controls at rest were tried
+    result.converged = idle == (other_sides_ ? 2 : 1);  // both sides of controls at rest were tried
   }
   set_controls(places_.data(), controls);
   residuals_.find(controls);

@@ -82,6 +82,7 @@ class PoseSolver {
   std::pmr::vector<std::uint8_t> below_;        // by control, whether the step is on the lower side of rest
   std::pmr::vector<BoxMinimum::Held> held_;     // by control, in the last step
   std::pmr::vector<float> controls_;
+  bool other_sides_ = false;  // whether a control at rest is to try the other side
   RigidMotion tried_motion_;
   float damping_ = 0;
 };
