@@ -532,6 +532,8 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_source_check_model": (c_int32, [c_void_p, c_void_p]),
     "fb_clip_file_frames": (c_int32, [c_char_p, c_uint32, c_void_p]),
     "fb_clip_file_read": (c_int32, [c_char_p, c_uint32, c_uint64, c_uint64, c_void_p]),
+    "fb_point_file_size": (c_int32, [c_char_p, c_void_p, c_void_p]),
+    "fb_point_file_read": (c_int32, [c_char_p, c_uint64, c_uint64, c_void_p, c_uint64]),
     "fb_archive_open": (c_int32, [c_char_p, POINTER(c_void_p)]),
     "fb_archive_open_memory": (c_int32, [c_void_p, c_uint64, c_char_p, POINTER(c_void_p)]),
     "fb_archive_close": (None, [c_void_p]), "fb_archive_info_fill": (None, [POINTER(fb_archive_info), c_uint32]),
