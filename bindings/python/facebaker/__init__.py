@@ -36,16 +36,19 @@ from ._results import (
     Result, SampleResult, VerifyResult,
 )  # fmt: skip
 from ._rig import Clip, Rig
+from ._solutions import ClipSolution, Solution
+from ._solver import Solver, SparseColumns
 from ._source import Source
 
 __all__ = [
-    "BadDataError", "BakeResult", "Channel", "CheckResult", "Clip", "ClipErrors", "CompareResult", "Control",
-    "CorruptError", "DrivenJoint", "Error", "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face", "Failure",
-    "FileError", "Image", "InternalError", "InvalidArgumentError", "Joint", "Level", "LimitError", "Material", "MaterialRun",
-    "Mesh", "Method", "NotAnArchiveError", "NotFiniteError", "NotFoundError", "OutOfMemoryError", "PackResult",
-    "PlanResult", "Result", "Rig", "RigError", "SampleResult", "Skin", "Socket", "Source", "StoppedError", "Texture",
-    "UnsupportedError", "VerifyResult", "__version__", "bake", "check", "compare", "diff", "evaluate",
-    "evaluate_many", "inspect", "load", "options", "pack", "plan", "recipes", "sample", "save_dataset", "verify",
+    "BadDataError", "BakeResult", "Channel", "CheckResult", "Clip", "ClipErrors", "ClipSolution", "CompareResult",
+    "Control", "CorruptError", "DrivenJoint", "Error", "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face",
+    "Failure", "FileError", "Image", "InternalError", "InvalidArgumentError", "Joint", "Level", "LimitError",
+    "Material", "MaterialRun", "Mesh", "Method", "NotAnArchiveError", "NotFiniteError", "NotFoundError",
+    "OutOfMemoryError", "PackResult", "PlanResult", "Result", "Rig", "RigError", "SampleResult", "Skin", "Socket",
+    "Solution", "Solver", "Source", "SparseColumns", "StoppedError", "Texture", "UnsupportedError", "VerifyResult",
+    "__version__", "bake", "check", "compare", "diff", "evaluate", "evaluate_many", "inspect", "load", "options",
+    "pack", "plan", "recipes", "sample", "save_dataset", "verify",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

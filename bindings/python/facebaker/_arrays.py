@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional, Sequence, Tuple
+from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.uint32]
 ArrayLike = npt.ArrayLike
+Controls = Union[ArrayLike, Mapping[str, float]]  # values, or a dictionary from names to them
 
 
 def floats(values: ArrayLike, shape: Sequence[Optional[int]], what: str) -> Floats:
@@ -30,6 +31,13 @@ def indices(values: ArrayLike, what: str) -> Indices:
     if not np.issubdtype(array.dtype, np.integer) or array.min() < 0 or array.max() > 0xFFFFFFFF:
         raise ValueError(f"{what}: not all are whole numbers from 0 to 4294967295")
     return np.ascontiguousarray(array, np.uint32)
+
+
+def check_output(name: str, array: npt.NDArray[Any], shape: Tuple[int, ...], kind: "np.dtype[Any]") -> None:
+    """Raises ValueError unless it can be written to as it is."""
+    flags = array.flags
+    if array.shape != shape or array.dtype != kind or not flags.c_contiguous or not flags.writeable:
+        raise ValueError(f"{name} must be a writable contiguous {kind} array of shape {shape}")
 
 
 def polygon_lists(polygons: Any, what: str) -> Tuple[Indices, Indices]:

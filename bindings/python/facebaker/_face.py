@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import collections.abc
 import ctypes
-import difflib
 import os
 from ctypes import POINTER, byref, c_float, c_void_p
 from typing import IO, Any, Callable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
@@ -12,12 +11,13 @@ from typing import IO, Any, Callable, Iterator, List, Mapping, NamedTuple, Optio
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import ArrayLike, Floats, Indices
+from ._arrays import ArrayLike, Controls, Floats, Indices, check_output
+from ._choices import Chosen, choice, control_indices, index_of
 from ._face_contents import FaceContents
 from ._interop import fb_batch_desc, fb_load_desc, fb_log, fb_row_block
 from ._library import assign, check, library
-
-Controls = Union[ArrayLike, Mapping[str, float]]
+from ._solutions import Solution
+from ._solver import Solver
 
 
 class ExpectedError(NamedTuple):
@@ -97,6 +97,12 @@ class Face(FaceContents):
         """The index of a control by its name, its ARKit name or its FACS name; the error names the closest there is."""
         return self._found(library.fb_find_control, name)
 
+    def find_controls(self, chosen: Chosen) -> Indices:
+        """(chosen,), uint32: indices of controls by names of controls, as find() takes them, names of control groups and
+        indices, or by a mask, (controls,); in the order in which they are chosen, each once. What is the name of a
+        control and of a group is both. Raises ValueError on what there is not."""
+        return control_indices(self, chosen, "chosen")
+
     def find_mesh(self, name: str) -> int:
         """The index of a mesh; the error names those there are. So do find_socket, find_channel, find_joint
         and find_driven_joint."""
@@ -116,7 +122,7 @@ class Face(FaceContents):
 
     def find_region(self, name: str) -> int:
         """The index of a region. Raises ValueError, with the closest name there is."""
-        return _index_of(name, self.regions, "region")
+        return index_of(name, self.regions, "region")
 
     def pose(self, values: Mapping[str, float]) -> Floats:
         """(controls,), float32: the rest pose with the controls in `values`, a dictionary from names to values."""
@@ -132,7 +138,7 @@ class Face(FaceContents):
         if out is None:
             out = np.empty((self.vertex_count, 3), np.float32)
         else:
-            _check_output("out", out, (self.vertex_count, 3), np.dtype(np.float32))
+            check_output("out", out, (self.vertex_count, 3), np.dtype(np.float32))
         with self._scratches.borrow(1) as scratch:
             check(library.fb_evaluate(self._handle, scratch, values.ctypes.data, out.ctypes.data))
         return out
@@ -195,9 +201,9 @@ class Face(FaceContents):
         set_output(desc, "tangents", tangents, shape, kind, "tangent_numbers")
         self._set_other_outputs(desc, sockets, channels, bounds, joints, expected_errors, outside)
         if regions is not None:
-            desc.regions, desc.region_count = _choice(regions, self.regions, "region")
+            desc.regions, desc.region_count = choice(regions, self.regions, "region")
         if meshes is not None:
-            desc.meshes, desc.mesh_count = _choice(meshes, [mesh.name for mesh in self.meshes], "mesh")
+            desc.meshes, desc.mesh_count = choice(meshes, [mesh.name for mesh in self.meshes], "mesh")
         with self._scratches.borrow(threads or os.cpu_count() or 1) as scratch:
             check(library.fb_evaluate_batch(self._handle, scratch, desc))
         return out
@@ -242,6 +248,40 @@ class Face(FaceContents):
             return ExpectedError(float(errors[0, 0]), errors[0, 1:], int(outside[0]))
         return ExpectedError(errors[:, 0], errors[:, 1:], outside)
 
+    def jacobian(
+        self,
+        controls: Controls,
+        points: Optional[ArrayLike] = None,
+        chosen: Optional[Chosen] = None,
+        *,
+        vertex_weights: Optional[ArrayLike] = None,
+        sockets: Sequence[Union[str, int]] = (),
+        joints: Sequence[Union[str, int]] = (),
+        lod: float = 0.0,
+        downwards: Optional[Chosen] = None,
+    ) -> Floats:
+        """How points move with the controls: (controls,), or a dictionary as for pose() -> derivatives, (rows, chosen), float32,
+        in units a unit of the control; rows are 3 a point, then 12 a frame of sockets and joints.
+
+        points, vertex_weights, sockets, joints, lod: as of Solver; chosen, downwards: as of Solver.jacobian. It makes a Solver
+        for this call: for many poses make one. Raises what these do."""
+        with Solver(self, points, vertex_weights=vertex_weights, sockets=sockets, joints=joints, lod=lod) as solver:
+            return solver.jacobian(controls, chosen, downwards=downwards)
+
+    def solve(
+        self,
+        targets: ArrayLike,
+        points: Optional[ArrayLike] = None,
+        *,
+        vertex_weights: Optional[ArrayLike] = None,
+        lod: float = 0.0,
+        **options: Any,
+    ) -> Solution:
+        """Finds controls for targets, (points, 3), in units. points, vertex_weights, lod: as of Solver, which it makes for this
+        call: for many poses make one. options: those of Solver.solve. Raises what these do."""
+        with Solver(self, points, vertex_weights=vertex_weights, lod=lod) as solver:
+            return solver.solve(targets, **options)
+
     def basis(self) -> Iterator[Tuple[slice, Indices, Floats]]:
         """Yields the row blocks of the basis: (rows, columns, values). rows: a slice of the 3 x vertices coordinates in baked
         order; columns: the coefficients that displace them; values: (columns, rows), the displacements for one unit."""
@@ -273,12 +313,6 @@ class Face(FaceContents):
         return values
 
 
-def _check_output(name: str, array: npt.NDArray[Any], shape: Tuple[int, ...], kind: "np.dtype[Any]") -> None:
-    flags = array.flags
-    if array.shape != shape or array.dtype != kind or not flags.c_contiguous or not flags.writeable:
-        raise ValueError(f"{name} must be a writable contiguous {kind} array of shape {shape}")
-
-
 def set_controls(desc: fb_batch_desc, values: Floats) -> None:
     """Has a batch pose these controls, (poses, controls), which the caller keeps."""
     desc.poses, desc.control_floats = len(values), values.size
@@ -291,21 +325,7 @@ def set_output(
     """Has a field of a batch point to an array, if there is one, after checking it; count: the field of its size."""
     if array is None:
         return
-    _check_output("out" if field == "positions" else field, array, shape, kind)
+    check_output("out" if field == "positions" else field, array, shape, kind)
     setattr(desc, field, array.ctypes.data)
     if count:
         setattr(desc, count, array.size)
-
-
-def _index_of(name: str, names: Sequence[str], what: str) -> int:
-    if name in names:
-        return list(names).index(name)
-    close = difflib.get_close_matches(name, names, 1, 0)
-    hint = f'; the closest is "{close[0]}"' if close else "; there are none"
-    raise ValueError(f'there is no {what} "{name}"{hint}')
-
-
-def _choice(chosen: Sequence[Union[str, int]], names: Sequence[str], what: str) -> Tuple[Any, int]:
-    """Indices of names, for the library; a list of none is one, too."""
-    indices = [_index_of(item, names, what) if isinstance(item, str) else item for item in chosen]
-    return (ctypes.c_uint32 * max(len(indices), 1))(*indices), len(indices)

@@ -29,6 +29,10 @@ size: int = len(result.method.archive)
 face = facebaker.load(result.path)
 worst: float = facebaker.evaluate(face, ["a", "b"]).method.unseen.max
 face.evaluate({"a": 0.5})[0, 0] + face.evaluate_batch([[0, 1]]).sum()
+solver = facebaker.Solver(face, [0, 1, 2], pairs=[(0, 1)])
+found = solver.solve(face.rest_positions[:3], locked=["b"], start={"a": 0.5})
+change: float = solver.jacobian(found.controls, ["a", 1])[0, 0] + solver.jacobian({}, sparse=True).data.sum()
+solver.solve_clip([[[0.0] * 3] * 3], backwards=True, find_motion=True).controls.sum() + face.jacobian({})[0, 0]
 serve(rig)
 """
 
