@@ -33,7 +33,7 @@ python3 $package/generate_interop.py --headers capi/include/facebaker --out "$wo
 $compile -target:library -out:"$work/FaceBaker.dll" -doc:"$work/FaceBaker.xml" $package/runtime/*.cs "$work/NativeInterop.cs"
 $compile -r:"$work/FaceBaker.dll" -out:"$work/layouts.exe" $package/tests/PrintLayouts.cs
 tests="$package/tests/CheckMain.cs $package/tests/LoadTests.cs $package/tests/PoseTests.cs $package/tests/BatchTests.cs
-  $package/tests/LifetimeTests.cs $package/tests/RenderTests.cs $package/tests/CostTests.cs"
+  $package/tests/LifetimeTests.cs $package/tests/RenderTests.cs $package/tests/SolverTests.cs $package/tests/CostTests.cs"
 $compile -r:"$work/FaceBaker.dll" -out:"$work/tests.exe" $tests
 
 python3 bindings/headers/struct_layouts.py list "$work/layouts"

@@ -91,6 +91,23 @@ namespace FaceBaker
             }
         }
 
+        /// <summary>Writes the matrix that takes positions in the engine's axes and units back to those of the archive: three
+        /// rows of four. See <see cref="SolveTargets.ToFace"/>.</summary>
+        /// <exception cref="ArgumentException">The span has not 12 floats.</exception>
+        public unsafe void WriteInverse(Span<float> to)
+        {
+            if (to.Length != 12) throw new ArgumentException("A frame has 12 floats.");
+            float* unit = stackalloc float[3];
+            fixed (float* rows = &MemoryMarshal.GetReference(to))
+                for (int row = 0; row < 3; ++row)
+                {
+                    for (int i = 0; i < 3; ++i) unit[i] = i == row ? 1 : 0;
+                    // The conversion turns, mirrors and scales: the rows of its inverse are its columns over its scale twice.
+                    Apply(unit, 1 / Scale, rows + 4 * row);
+                    rows[4 * row + 3] = 0;
+                }
+        }
+
         /// <summary>Converts a direction, or with <see cref="Scale"/> a position.</summary>
         internal unsafe void Apply(float* from, float scale, float* to)
         {

@@ -69,6 +69,32 @@ namespace FaceBaker.Tests
             }
         }
 
+        public static void SolvingAllocatesNothing()
+        {
+            using (Face face = Face.Load(Fixture("driven.fbk")))
+            using (var solver = new Solver(face))
+            {
+                float[] pose = Widest(face), targets = new float[3 * face.VertexCount], found = new float[pose.Length],
+                    before = new float[pose.Length], decided = new float[pose.Length], motion = new float[12],
+                    derivatives = new float[solver.RowCount * pose.Length], differences = new float[face.VertexCount];
+                face.Evaluate(pose, targets);
+                bool[] movable = ControlSearch.MaskWithout(face, face.Controls[0].Name);
+                Action everything = () =>
+                {
+                    for (int i = 0; i < 20; ++i)
+                    {
+                        solver.Jacobian(new PoseJacobian(pose) { Derivatives = derivatives, Downwards = movable });
+                        solver.Solve(new SolveTargets(found) { Points = targets, Before = before, Smoothness = 10,
+                            Movable = movable, FindMotion = true, Motion = motion, Decided = decided,
+                            PointDifferences = differences });
+                    }
+                };
+                int collections;
+                Same(0L, AllocatedBy(everything, out collections), "bytes allocated");
+                Same(0, collections, "collections");
+            }
+        }
+
         private sealed class OneByOne : IParallelFor
         {
             public void Run(int count, int workers, PoseTask task)
