@@ -37,7 +37,7 @@ def pack(plugin: pathlib.Path, libraries: engine_package.Libraries) -> None:
     third_party = plugin / "Source" / "ThirdParty" / "FaceBaker"
     headers = third_party / "include" / "facebaker"
     headers.mkdir(parents=True)
-    for name in ("facebaker.h", "facebaker.hpp", "facebaker_character.h"):
+    for name in ("facebaker.h", "facebaker.hpp", "facebaker_character.h", "facebaker_solve.h"):
         shutil.copy(ROOT / "capi" / "include" / "facebaker" / name, headers)
     shutil.copy(ROOT / "LICENSE", plugin / "LICENSE")
     for platform, file in libraries:
