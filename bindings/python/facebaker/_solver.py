@@ -242,7 +242,7 @@ class Solver:
         sparsity: float = 0.1,
         smoothness: float = 0.0,
         symmetry: float = 0.0,
-        tolerance: float = 1e-3,
+        tolerance: float = 0.01,
         max_iterations: int = 20,
         decided: bool = False,
     ) -> Solution:
@@ -345,8 +345,10 @@ class Solver:
         points). start, motion: where the first pose starts. before: what smoothness holds the first pose to; None: nothing.
         backwards: with smoothness, goes through the clip once more from its end, each pose between its two neighbours, as
         otherwise it lags behind the motion. The controls are those of the command `facebaker solve` for these targets and
-        options. options: the others of solve(), for all poses. Raises what solve() does, with a message
-        that begins with "pose I: " where the library refuses it."""
+        options. options: the others of solve(), for all poses, with 0.001 as tolerance and 40 as max_iterations by default.
+        Raises what solve() does, with a message that begins with "pose I: " where the library refuses it."""
+        options.setdefault("tolerance", 1e-3)
+        options.setdefault("max_iterations", 40)
         if movable is not None or locked is not None:
             options["movable"] = self._moving(movable, locked).astype(np.bool_)
         sweep = ClipSweep(self, ClipTargets(self, targets, distances, frames, weights), smoothness, before, options)
