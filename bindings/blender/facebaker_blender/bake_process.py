@@ -1,5 +1,5 @@
-"""A bake in the background: a process of its own that outlives this one, whose log tells how far it has come. Without
-Blender."""
+"""A bake, or another command of the tool, in the background: a process of its own that outlives this one, whose log tells how
+far it has come. Without Blender."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ LAST_LINES = 8  # of a log that are shown where a bake ended without saying why
 class BakeProcess:
     """A bake whose log, result and process number lie in a folder, so that another session of Blender finds it again.
 
-    Attributes: progress, as of the last call of poll()."""
+    Attributes: progress, as of the last call of poll(); what, the command of the tool, for messages."""
 
-    def __init__(self, folder: pathlib.Path) -> None:
-        self.folder = folder
-        self.log, self.result = folder / "bake.log", folder / "result.json"
+    def __init__(self, folder: pathlib.Path, what: str = "bake") -> None:
+        self.folder, self.what = folder, what
+        self.log, self.result = folder / f"{what}.log", folder / "result.json"
         self._state = folder / "process.json"
         self.progress = BakeProgress()
         self._read = 0
@@ -31,7 +31,7 @@ class BakeProcess:
         """Starts the command line in a session of its own, where neither Ctrl-C nor the end of this process reaches it.
         environment: None: that of this process. Raises OSError; RuntimeError if the folder's bake is running."""
         if self.running:
-            raise RuntimeError(f"a bake is running in {self.folder}")
+            raise RuntimeError(f"a {self.what} is running in {self.folder}")
         self.progress, self._read = BakeProgress(), 0
         with open(self.log, "wb") as log, open(self.result, "wb") as result:
             self._process = subprocess.Popen(
@@ -91,7 +91,7 @@ class BakeProcess:
         if self.progress.error:
             return self.progress.error
         last = "\n".join(_text(self.log).splitlines()[-LAST_LINES:]).strip()
-        return f"the bake ended without a result; {self.log} " + (f"ends with:\n{last}" if last else "is empty")
+        return f"the {self.what} ended without a result; {self.log} " + (f"ends with:\n{last}" if last else "is empty")
 
     def stop(self) -> None:
         """Interrupts the bake, which keeps what is done. It ends within seconds; poll() tells when."""

@@ -100,12 +100,12 @@ class SceneEvaluator:
             if shown.name not in self.context.view_layer.objects:
                 raise SettingsError(f'"{shown.name}" is not in the view layer "{self.context.view_layer.name}"')
             if shown.hide_viewport:
-                _keep(stack, shown, "hide_viewport", False)
+                keep(stack, shown, "hide_viewport", False)
             if shown.hide_get():
                 shown.hide_set(False)
                 stack.callback(shown.hide_set, True)
             if shown.type == "ARMATURE" and shown.data.pose_position != "POSE":
-                _keep(stack, shown.data, "pose_position", "POSE")
+                keep(stack, shown.data, "pose_position", "POSE")
 
     def _restore(self, state: List[Any]) -> None:
         """Brings the controls back. An update that shows or hides objects runs their animation, which would undo edits
@@ -123,7 +123,7 @@ class SceneEvaluator:
                 refuse_count_changers(self.context, mesh_object)
             elif self.settings.modifiers == "off":
                 for modifier in count_changers(self.context, mesh_object):
-                    _keep(stack, modifier, "show_viewport", False)
+                    keep(stack, modifier, "show_viewport", False)
 
     def pose_scene(self, controls: "np.ndarray[Any, Any]") -> None:
         """Has the scene evaluated with these values of the controls (controls,)."""
@@ -168,17 +168,27 @@ def evaluated_positions(
             raise SettingsError(
                 f'"{mesh_object.name}" has {len(vertices)} vertices in this pose, {counts[index]} at rest'
             )
-        local = np.empty(3 * len(vertices), np.float32)
-        vertices.foreach_get("co", local)
-        matrix = to_reference @ world_matrix(evaluated)
-        points = local.reshape(-1, 3)
-        # A mesh in the reference's own space keeps its bits.
-        if scale != 1 or not np.allclose(matrix, np.eye(4), rtol=0, atol=1e-7):
-            linear, offset = (scale * matrix[:3, :3].T).astype("f4"), (scale * matrix[:3, 3]).astype("f4")
-            points = points @ linear + offset
-        parts.append(points)
+        parts.append(transformed(mesh_points(evaluated), to_reference @ world_matrix(evaluated), scale))
     joined: "np.ndarray[Any, np.dtype[np.float32]]" = parts[0] if len(parts) == 1 else np.concatenate(parts)
     return joined
+
+
+def mesh_points(evaluated: Any) -> "np.ndarray[Any, np.dtype[np.float32]]":
+    """(vertices, 3), of an evaluated mesh object, in its own space."""
+    vertices = evaluated.data.vertices
+    local = np.empty(3 * len(vertices), np.float32)
+    vertices.foreach_get("co", local)
+    return local.reshape(-1, 3)
+
+
+def transformed(points: Any, matrix: Any, scale: float) -> "np.ndarray[Any, np.dtype[np.float32]]":
+    """(points, 3), taken to another space by a matrix (4, 4) and multiplied by scale. Where both change nothing, points keep
+    their bits."""
+    if scale != 1 or not np.allclose(matrix, np.eye(4), rtol=0, atol=1e-7):
+        linear, offset = (scale * matrix[:3, :3].T).astype("f4"), (scale * matrix[:3, 3]).astype("f4")
+        points = points @ linear + offset
+    moved: "np.ndarray[Any, np.dtype[np.float32]]" = points
+    return moved
 
 
 def world_matrix(scene_object: Any) -> "np.ndarray[Any, np.dtype[np.float64]]":
@@ -186,7 +196,7 @@ def world_matrix(scene_object: Any) -> "np.ndarray[Any, np.dtype[np.float64]]":
     return np.array(scene_object.matrix_world, np.float64)
 
 
-def _keep(stack: contextlib.ExitStack, owner: Any, attribute: str, value: Any) -> None:
+def keep(stack: contextlib.ExitStack, owner: Any, attribute: str, value: Any) -> None:
     """Sets an attribute until the stack is closed."""
     stack.callback(setattr, owner, attribute, getattr(owner, attribute))
     setattr(owner, attribute, value)

@@ -16,7 +16,7 @@ _problems: Dict[str, str] = {}  # {part of the window: message}
 
 
 def problem_of(part: str) -> str:
-    """What the last button of a part of the window ("rig", "bake", "face") failed with, "" if it did not."""
+    """What the last button of a part of the window ("rig", "bake", "face", "solve") failed with, "" if it did not."""
     return _problems.get(part, "")
 
 
@@ -35,13 +35,18 @@ class Failing:
         try:
             self.work(context)
         except Exception as error:
-            text = message_of(error)
-            set_problem(self.part, text)
-            if context.area:
-                context.area.tag_redraw()
-            self.report({"ERROR"}, text)
-            return {"CANCELLED"}
+            return fail(self, context, error)
         return {"FINISHED"}
+
+
+def fail(operator: Any, context: Any, error: Exception) -> Set[str]:
+    """Shows why an operator with a `part` has failed; what it returns."""
+    text = message_of(error)
+    set_problem(operator.part, text)
+    if context.area:
+        context.area.tag_redraw()
+    operator.report({"ERROR"}, text)
+    return {"CANCELLED"}
 
 
 def message_of(error: Exception) -> str:
