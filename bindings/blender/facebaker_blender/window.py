@@ -6,13 +6,13 @@ import bpy
 
 from . import (
     face_preview, window_controls, window_errors, window_face_operators, window_jobs, window_operators, window_panel,
-    window_properties,
+    window_properties, window_solve,
 )  # fmt: skip
 from .channels import SettingsError
 
 _CLASSES = (
     *window_properties.CLASSES, *window_errors.CLASSES, *window_controls.CLASSES, *window_operators.CLASSES,
-    *window_face_operators.CLASSES, *window_panel.CLASSES,
+    *window_face_operators.CLASSES, *window_panel.CLASSES, *window_solve.CLASSES,
 )  # fmt: skip
 
 
@@ -32,6 +32,7 @@ def unregister() -> None:
     """Called when the add-on is disabled."""
     face_preview.remove_handlers()
     window_jobs.end_watching()
+    window_solve.end_solve()
     del bpy.types.Scene.facebaker
     for kind in reversed(_CLASSES):
         bpy.utils.unregister_class(kind)

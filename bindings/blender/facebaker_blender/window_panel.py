@@ -20,11 +20,13 @@ class FACEBAKER_UL_shots(TickedRows, bpy.types.UIList):
     """Actions; what the selected one is for is shown below."""
 
 
-class _SidebarPanel:
+class SidebarPanel:
+    """Of the add-on's tab."""
+
     bl_space_type, bl_region_type, bl_category = "VIEW_3D", "UI", "FaceBaker"
 
 
-class FACEBAKER_PT_rig(_SidebarPanel, bpy.types.Panel):
+class FACEBAKER_PT_rig(SidebarPanel, bpy.types.Panel):
     bl_label, bl_idname = "Rig", "FACEBAKER_PT_rig"
 
     def draw(self, context: Any) -> None:
@@ -50,7 +52,7 @@ class FACEBAKER_PT_rig(_SidebarPanel, bpy.types.Panel):
                 draw_properties(box, context, shot, ("split",))
 
 
-class FACEBAKER_PT_bake(_SidebarPanel, bpy.types.Panel):
+class FACEBAKER_PT_bake(SidebarPanel, bpy.types.Panel):
     bl_label, bl_idname = "Bake", "FACEBAKER_PT_bake"
 
     def draw(self, context: Any) -> None:
@@ -104,7 +106,7 @@ def _draw_warnings(layout: Any, context: Any, warnings: List[str]) -> None:
         draw_text(layout, context, warning)
 
 
-class FACEBAKER_PT_preview(_SidebarPanel, bpy.types.Panel):
+class FACEBAKER_PT_preview(SidebarPanel, bpy.types.Panel):
     bl_label, bl_idname = "Baked face", "FACEBAKER_PT_preview"
 
     def draw(self, context: Any) -> None:

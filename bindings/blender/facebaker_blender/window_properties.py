@@ -10,6 +10,7 @@ import bpy
 
 from .bake_settings import BakeOptions, BakeSettings, Shot
 from .channels import Channel, SceneControl, SettingsError, channel_fields
+from .solve_request import SolveRequest
 
 MODIFIERS = (
     ("refuse", "Refuse", "Name the modifiers and stop"),
@@ -27,6 +28,18 @@ RECIPES = (
     ("linear", "Linear", "Blendshapes alone"),
 )
 USES = (("variant", "New shots", "Shots are not learnt from"), ("backlot", "These shots", "Shots are learnt from"))
+SOLVE_FRAMES = (
+    ("shape", "This shape", "One pose, keyed in the current frame"),
+    ("frames", "All frames", "An animated mesh, from the scene's first frame to its last, or in its preview range"),
+)
+SOLVE_PLACES = (
+    ("own", "On the rig", "The mesh is a copy of the rig's, and where it was moved to does not count"),
+    ("world", "In the scene", "The mesh is over the rig, or moves as an object"),
+)
+SOLVE_ACTIONS = (
+    ("new", "New", "Keys go into a new action"),
+    ("current", "Current", "Keys go into the action that the rig uses, in place of those in these frames"),
+)
 # Blender 5.2 warns of a path that begins with "//", of the .blend's folder, unless its property says so; 4.3 cannot.
 PATH_OPTIONS = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 2, 0) else set())
 
@@ -101,6 +114,38 @@ class FACEBAKER_PG_shot(bpy.types.PropertyGroup):
     split: bpy.props.EnumProperty(name="For", items=SPLITS)
 
 
+class FACEBAKER_PG_solve(bpy.types.PropertyGroup):
+    """How a shape is solved to controls."""
+
+    frames: bpy.props.EnumProperty(name="Solve", items=SOLVE_FRAMES)
+    place: bpy.props.EnumProperty(name="Place", items=SOLVE_PLACES, description="Where the mesh counts as being")
+    action: bpy.props.EnumProperty(name="Action", items=SOLVE_ACTIONS)
+    noise: bpy.props.FloatProperty(
+        name="Noise (mm)", default=0.5, min=1e-3, soft_max=5, max=1e3, precision=3, step=1,
+        description="What the shape is off by itself, in millimetres; with less it is followed more closely, by more controls",
+    )  # fmt: skip
+    only: bpy.props.StringProperty(
+        name="Only", description="Controls or groups that move, separated by commas; empty: all that are not locked"
+    )
+    locked: bpy.props.StringProperty(
+        name="Locked", description="Controls or groups that stay at rest and get no keys, separated by commas"
+    )
+    head_motion: bpy.props.BoolProperty(
+        name="The head moves", description="How the whole head moves and turns is found as well, and left out of the keys"
+    )
+    found: bpy.props.StringProperty()  # lines about what the last solve found
+
+    def request(self, scene: Any) -> SolveRequest:
+        """As the work needs it."""
+        prefix = "frame_preview" if scene.use_preview_range else "frame"
+        ends = int(getattr(scene, f"{prefix}_start")), int(getattr(scene, f"{prefix}_end"))
+        frames = ends if self.frames == "frames" else None
+        only, locked = (tuple(filter(None, map(str.strip, names.split(",")))) for names in (self.only, self.locked))
+        return SolveRequest(
+            frames, self.place == "world", self.action == "new", self.head_motion, self.noise, only, locked
+        )
+
+
 class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
     """All choices of a scene."""
 
@@ -141,6 +186,7 @@ class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
         description="The distance in millimetres that is red",
     )  # fmt: skip
     measured: bpy.props.StringProperty()  # lines of the last measurement
+    solve: bpy.props.PointerProperty(type=FACEBAKER_PG_solve)
 
     def settings(self) -> BakeSettings:
         """As the work needs them. Raises SettingsError."""
@@ -197,6 +243,7 @@ CLASSES = (
     FACEBAKER_PG_armature,
     FACEBAKER_PG_control,
     FACEBAKER_PG_shot,
+    FACEBAKER_PG_solve,
     FACEBAKER_PG_scene,
     FACEBAKER_preferences,
 )

@@ -12,7 +12,7 @@ import addon_support  # noqa: E402, F401  (makes the package importable)
 
 MODULES = (
     "addon_tests", "action_tests", "time_tests", "choice_tests", "group_tests", "joint_tests", "preview_tests", "bake_tests",
-    "rebake_tests", "window_tests", "key_tests", "extension_tests", "import_tests",
+    "rebake_tests", "window_tests", "key_tests", "solve_tests", "extension_tests", "import_tests",
 )  # fmt: skip
 
 words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []

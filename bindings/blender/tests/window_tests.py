@@ -10,11 +10,13 @@ from addon_support import add_action
 from blender_scenes import constraint_scene, shape_key_scene
 
 import facebaker_blender
-from facebaker_blender import window_controls, window_errors, window_panel, window_text
+from facebaker_blender import window_controls, window_errors, window_panel, window_solve, window_text
 from facebaker_blender.channels import SettingsError
 from facebaker_blender.control_rows import UNGROUPED
 
-PANELS = window_panel.FACEBAKER_PT_rig, window_panel.FACEBAKER_PT_bake, window_panel.FACEBAKER_PT_preview
+PANELS = (
+    window_panel.FACEBAKER_PT_rig, window_panel.FACEBAKER_PT_bake, window_panel.FACEBAKER_PT_preview, window_solve.FACEBAKER_PT_solve,
+)  # fmt: skip
 NARROW, USUAL = 220, 280  # sidebars at scale 1: Blender 3.4's own, and a usual one
 
 
