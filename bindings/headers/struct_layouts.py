@@ -18,7 +18,7 @@ from generated_file import generate
 from read_headers import HEADERS, RUNTIME_HEADERS, SCALARS, Field, HeaderError, Interface, Struct, read_headers
 
 # What the TypeScript side reads of a scalar; it knows no others.
-TYPESCRIPT_KINDS = {"uint32_t": "u32", "uint64_t": "u64", "float": "f32"}
+TYPESCRIPT_KINDS = {"uint32_t": "u32", "uint64_t": "u64", "float": "f32", "double": "f64"}
 
 
 class Layout(NamedTuple):

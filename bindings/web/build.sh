@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds the npm package into build/web: both WebAssembly modules, the scripts and their types. Installs Emscripten where
+# Builds the npm package into build/web: the WebAssembly modules, the scripts and their types. Installs Emscripten where
 # there is none (Debian), and TypeScript and what else package.json names by npm. A page that is developed in this tree
 # depends on "file:.../build/web"; `npm pack build/web` makes the tarball.
 #   bindings/web/build.sh
@@ -9,7 +9,7 @@ out=build/web
 capi/platforms/build_dependencies.sh wasm
 for preset in wasm wasm-scalar; do
   cmake --preset $preset >/dev/null
-  cmake --build --preset $preset --parallel "$(nproc)" --target facebaker_wasm
+  cmake --build --preset $preset --parallel "$(nproc)" --target facebaker_wasm facebaker_solve_wasm
 done
 mkdir -p "$out/dist"
 sed "s/\"version\": \"[^\"]*\"/\"version\": \"$(head -n 1 VERSION)\"/" bindings/web/package.json >"$out/package.json.new"
@@ -22,7 +22,7 @@ cp -r bindings/web/src bindings/web/tsconfig.json "$out"
 python3 -B bindings/headers/struct_layouts.py typescript "$out/src/struct_layouts.ts"
 cp LICENSE bindings/web/README.md "$out"
 {
-  echo "facebaker.wasm has these libraries in it:"
+  echo "facebaker.wasm and facebaker_solve.wasm have these libraries in them:"
   for package in zlib xxhash; do
     printf '\n---- %s ----\n\n' "$package"
     cat "build/cross/wasm/$package.copyright"
@@ -31,7 +31,7 @@ cp LICENSE bindings/web/README.md "$out"
 # ES modules, the same as CommonJS (three.js has none of its WebGPURenderer), and the worker as one script.
 rm -rf "$out/cjs"
 cp -r "$out/src" "$out/cjs"
-mv "$out/cjs/asset_urls_cjs.ts" "$out/cjs/asset_urls.ts"
+for urls in asset_urls solver_urls; do mv "$out/cjs/${urls}_cjs.ts" "$out/cjs/$urls.ts"; done
 rm -f "$out/cjs/worker_main.ts" "$out/cjs/three_webgpu.ts"
 echo '{ "type": "commonjs", "sideEffects": false }' | tee "$out/cjs/package.json" >"$out/package.cjs"
 sed 's|"src|"cjs|; s|"dist"|"dist/cjs"|' bindings/web/tsconfig.json >"$out/tsconfig.cjs.json"
@@ -44,5 +44,7 @@ sed 's|"src|"cjs|; s|"dist"|"dist/cjs"|' bindings/web/tsconfig.json >"$out/tscon
     --outfile=dist/worker_main.js
   mv package.cjs dist/cjs/package.json
 )
-cp build/wasm/bin/facebaker.wasm "$out/dist/facebaker.wasm"
-cp build/wasm-scalar/bin/facebaker.wasm "$out/dist/facebaker-scalar.wasm"
+for module in facebaker facebaker_solve; do
+  cp "build/wasm/bin/$module.wasm" "$out/dist/$module.wasm"
+  cp "build/wasm-scalar/bin/$module.wasm" "$out/dist/$module-scalar.wasm"
+done

@@ -102,7 +102,8 @@ test_types() {
     npx tsc $options --noEmit --module commonjs --moduleResolution node10 oldest.ts
   }
   # three-webgpu cannot be had by require(): three.js has no CommonJS of its WebGPURenderer.
-  npx attw package.tgz --format ascii --exclude-entrypoints three-webgpu facebaker.wasm facebaker-scalar.wasm worker_main.js
+  npx attw package.tgz --format ascii --exclude-entrypoints three-webgpu facebaker.wasm facebaker-scalar.wasm \
+    facebaker_solve.wasm facebaker_solve-scalar.wasm worker_main.js
 }
 
 test_react() {

@@ -6,11 +6,12 @@ import { notRead } from "./errors.js";
 // beside them, which are still where they were installed.
 const bundled = "/node_modules/.vite/deps/", installed = "/node_modules/facebaker/dist/";
 
-// Next's URLs have no origin: nothing is made of those.
-const found = (url: URL): URL =>
+/** Next's URLs have no origin: nothing is made of those. */
+export const installedUrl = (url: URL): URL =>
   url.href.includes(bundled) ? new URL(url.href.replace(bundled, installed)) : url;
 
-function needMeta(file: string): void {
+/** Throws where scripts do not know where they are. */
+export function needMeta(file: string): void {
   if (!import.meta.url)
     throw notRead(`${file}: these scripts were bundled into a format without import.meta.url; make ES modules of them, ` +
                   "or give `load` the place of the file (docs/bundlers.md)");
@@ -19,7 +20,7 @@ function needMeta(file: string): void {
 /** The WebAssembly module, with SIMD or without. */
 export function wasmUrl(simd: boolean): URL {
   needMeta("facebaker.wasm");
-  return found(simd ? new URL("./facebaker.wasm", import.meta.url) : new URL("./facebaker-scalar.wasm", import.meta.url));
+  return installedUrl(simd ? new URL("./facebaker.wasm", import.meta.url) : new URL("./facebaker-scalar.wasm", import.meta.url));
 }
 
 /** The worker's script, for Node. */

@@ -4,7 +4,8 @@ import { isNode } from "./platform.js";
 
 declare const __filename: string;
 
-function above(file: string): URL {
+/** A file of the folder above. */
+export function above(file: string): URL {
   if (!isNode)
     throw notRead(`${file}: CommonJS does not tell where it is; import facebaker as an ES module, or give \`load\` ` +
                   "the place of the file (docs/bundlers.md)");

@@ -1,23 +1,12 @@
 import { ContentsReader } from "./read_contents.js";
 import type { FaceContents } from "./contents.js";
-import { loadModel, type Model, type Outputs } from "./model.js";
+import { Model, type Outputs } from "./model.js";
 import { fetchBytes, type FetchOptions, type Source } from "./fetch_bytes.js";
-import { instanceOf, type Exports, type WasmSource } from "./instance.js";
-import { Heap } from "./heap.js";
+import { instanceOf, type WasmSource } from "./instance.js";
+import { heapOf } from "./heap.js";
+import { loadArchive, needMemory, type LoadLimits } from "./load_archive.js";
 import { readRowBlocks, type RowBlock } from "./row_blocks.js";
 import { invalidArgument } from "./errors.js";
-
-/** Limits for archives from strangers; beyond any of them loading fails with FB_ERROR_LIMIT. */
-export interface LoadLimits {
-  /** Memory that loading takes at any time. */
-  modelBytes?: number;
-  /** All names and texts. */
-  nameBytes?: number;
-  vertices?: number;
-  polygons?: number;
-  /** Functions of the controls that networks and sparse blendshapes are made of. */
-  features?: number;
-}
 
 export interface LoadOptions extends FetchOptions {
   /** Where the WebAssembly module is, or its bytes; beside this script by default. */
@@ -40,7 +29,6 @@ export interface ExpectedError {
   outside: number;
 }
 
-const heaps = new WeakMap<Exports, Heap>();
 const forgotten = new FinalizationRegistry<Model>((model) => model.dispose());
 
 /** A loaded face. Contents are read from the module's memory when they are first asked for, and kept. Not to be used
@@ -190,11 +178,6 @@ export async function loadWith(wasm: WasmSource, source: Source, options: LoadOp
   const exports = await instanceOf(wasm);
   const bytes = await fetching;
   options.signal?.throwIfAborted();
-  let heap = heaps.get(exports);
-  if (!heap) heaps.set(exports, (heap = new Heap(exports)));
-  const limits = options.limits ?? {};
-  return new Face(loadModel(heap, bytes, {
-    max_model_bytes: limits.modelBytes, max_name_bytes: limits.nameBytes, max_vertices: limits.vertices,
-    max_polygons: limits.polygons, max_features: limits.features,
-  }));
+  const heap = heapOf(exports);
+  return needMemory(() => new Face(new Model(heap, loadArchive(heap, bytes, options.limits))));
 }

@@ -3,7 +3,7 @@ import { FaceBakerError } from "./errors.js";
 import type { Exports } from "./instance.js";
 import { structLayouts } from "./struct_layouts.js";
 
-type Kind = "u32" | "u64" | "f32" | "text" | "pointer";
+type Kind = "u32" | "u64" | "f32" | "f64" | "text" | "pointer";
 type Member = readonly [offset: number, kind: Kind, count?: number];
 
 /** Where the members of a struct are: `kind` is that of an array's elements, "text" a pointer to a string. */
@@ -112,6 +112,7 @@ export class Heap {
       const at = (address + offset) >>> 2;
       if (kind === "f32") values[name] = count ? Array.from(this.f32.subarray(at, at + count)) : this.f32[at];
       else if (kind === "text") values[name] = this.text(this.u32[at]!);
+      else if (kind === "f64") values[name] = new DataView(this.u8.buffer).getFloat64(address + offset, true);
       else if (kind === "u64") values[name] = this.u32[at]! + 2 ** 32 * this.u32[at + 1]!;
       else values[name] = this.u32[at];
     }
@@ -137,4 +138,13 @@ export class Heap {
   setF32(struct: string, address: number, member: string, value: number): void {
     this.f32[(address + this.offset(struct, member)) >>> 2] = value;
   }
+}
+
+const heaps = new WeakMap<Exports, Heap>();
+
+/** The memory of an instance. */
+export function heapOf(exports: Exports): Heap {
+  let heap = heaps.get(exports);
+  if (!heap) heaps.set(exports, (heap = new Heap(exports)));
+  return heap;
 }

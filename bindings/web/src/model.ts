@@ -1,40 +1,8 @@
 // A loaded model with its scratch and the buffers that poses go through, in the module's memory.
-import { FaceBakerError, invalidArgument } from "./errors.js";
+import { invalidArgument } from "./errors.js";
 import type { Heap } from "./heap.js";
 import type { Exports } from "./instance.js";
-
-type Numbers = Float32Array | Uint32Array;
-
-// A buffer in the module's memory, with a view that is kept until the memory grows or another length is asked for.
-class Staging {
-  address = 0;
-  private capacity = 0;
-  private view: Numbers | null = null;
-
-  constructor(private readonly heap: Heap) {}
-
-  reserve(length: number): void {
-    if (length <= this.capacity) return;
-    this.release();
-    this.address = this.heap.allocate(4 * length);
-    this.capacity = length;
-  }
-  floats(length: number): Float32Array {
-    if (!(this.view instanceof Float32Array) || this.view.length !== length)
-      this.view = new Float32Array(this.heap.exports.memory.buffer, this.address, length);
-    return this.view;
-  }
-  numbers(length: number): Uint32Array {
-    if (!(this.view instanceof Uint32Array) || this.view.length !== length)
-      this.view = new Uint32Array(this.heap.exports.memory.buffer, this.address, length);
-    return this.view;
-  }
-  release(): void {
-    if (this.address) this.heap.release(this.address);
-    this.address = this.capacity = 0;
-    this.view = null;
-  }
-}
+import { Staging } from "./staging.js";
 
 export interface EvaluateOptions {
   /** Level of detail: 0 is the whole, 1, 2, ... the levels; positions are continuous in it. */
@@ -254,7 +222,7 @@ export class Model {
     heap.setU32("fb_batch_desc", desc, size, indices.length);
   }
 
-  private view(name: ArrayName, length: number): Numbers {
+  private view(name: ArrayName, length: number): Float32Array | Uint32Array {
     return name === "outside" ? this.outputs[name].numbers(length) : this.outputs[name].floats(length);
   }
 
@@ -272,32 +240,5 @@ export class Model {
     if (this.scratch) heap.call("fb_scratch_destroy", this.scratch);
     if (this.address) heap.call("fb_release", this.address);
     this.desc = this.scratch = this.address = 0;
-  }
-}
-
-export function loadModel(heap: Heap, bytes: Uint8Array, limits: Readonly<Record<string, number | undefined>>): Model {
-  const struct = "fb_load_desc", desc = heap.allocate(heap.size(struct) + 8);
-  const result = desc + heap.size(struct);
-  let archive = 0;
-  try {
-    archive = heap.allocate(bytes.length);
-    heap.u8.set(bytes, archive);
-    heap.call("fb_load_desc_fill", desc, heap.size(struct));
-    for (const [member, limit] of Object.entries(limits)) {
-      if (limit === undefined) continue;
-      if (!(limit >= 0 && limit < 2 ** 32)) throw invalidArgument(`${member}: ${limit} is no size below 4 GiB`);
-      heap.setU32(struct, desc, member, limit);
-      heap.u32[((desc + heap.offset(struct, member)) >>> 2) + 1] = 0;
-    }
-    heap.check("fb_load_memory", archive, bytes.length, desc, result);
-    return new Model(heap, heap.u32[result >>> 2]!);
-  } catch (error) {
-    // What the module cannot get from the system ends it in the middle of a call.
-    if (error instanceof WebAssembly.RuntimeError)
-      throw new FaceBakerError(13, "FB_ERROR_INTERNAL", `facebaker.wasm: ${error.message}`);
-    throw error;
-  } finally {
-    if (archive) heap.release(archive);
-    heap.release(desc);
   }
 }

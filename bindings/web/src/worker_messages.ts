@@ -1,8 +1,8 @@
 // What a page and its worker say to each other. A page's messages have a number, and each is answered with it, in order.
 import type { FaceContents } from "./contents.js";
-import type { LoadLimits } from "./face.js";
 import type { Source } from "./fetch_bytes.js";
 import type { WasmSource } from "./instance.js";
+import type { LoadLimits } from "./load_archive.js";
 import type { Outputs } from "./model.js";
 import type { RowBlock } from "./row_blocks.js";
 

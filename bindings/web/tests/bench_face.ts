@@ -58,7 +58,7 @@ row("quickest of 31 rounds", inPage.quickest, base);
 console.log(`loading in Chromium: ${inPage.load.toFixed(0)} ms with the module, ${inPage.again.toFixed(0)} ms once it is there`);
 
 const size = (files: string[]) => files.reduce((sum, file) => sum + gzipSync(readFileSync(`${web}dist/${file}`), { level: 9 }).length, 0);
-const glue = ["index", "contents", "errors", "face", "fetch_bytes", "heap", "instance", "model", "platform", "polygons",
-              "read_contents", "row_blocks"].map((name) => `${name}.js`);
+const glue = ["index", "contents", "errors", "face", "fetch_bytes", "heap", "instance", "load_archive", "model", "platform",
+              "polygons", "read_contents", "row_blocks", "staging", "struct_layouts"].map((name) => `${name}.js`);
 console.log(`gzip: facebaker.wasm ${size(["facebaker.wasm"])}, its scripts ${size(glue)}, together ` +
             `${size(["facebaker.wasm", ...glue])} bytes; facebaker-scalar.wasm ${size(["facebaker-scalar.wasm"])}`);

@@ -1,6 +1,7 @@
 // As ES modules; three-webgpu is for these alone.
 import { load, FaceBakerError, type Face } from "facebaker";
 import { load as loadInWorker, type WorkerFace } from "facebaker/worker";
+import { loadSolver, type Solver } from "facebaker/solver";
 import { renderMeshes } from "facebaker/geometry";
 import { FaceBakerMesh } from "facebaker/three";
 import type { FaceBakerNodeMesh } from "facebaker/three-webgpu";
@@ -11,6 +12,9 @@ export async function run(path: string): Promise<string> {
   const face: Face = await load(path), far: WorkerFace = await loadInWorker(path);
   const here = face.evaluate(face.createPose()), there = await far.evaluate(far.createPose());
   if (here.some((value, i) => value !== there[i])) throw new Error("other positions");
+  const solver: Solver = await loadSolver(path);
+  if (solver.values(solver.createPose()).length !== here.length) throw new Error("other points");
+  solver.dispose();
   const { meshes } = new FaceBakerMesh(face);
   if (renderMeshes(face).length !== meshes.length) throw new Error("a mesh is missing");
   await far.dispose();
