@@ -3,14 +3,16 @@
 # and axe-core (npm, into build/viewer-test): a face is loaded and posed, 256 random poses of every mesh have the native
 # bits, files that are broken are refused with a message, clips are played, links carry poses, and pages are accessible,
 # wide and narrow, light and dark. Pictures of all of it end up in build/viewer-test/pictures, to be looked at.
-#   samples/viewer/test.sh [--picture OUT] [FACE.fbk SOURCE]
-# By default a face that is baked here, in about a minute. --picture tests nothing, and draws the picture of
-# docs/viewer.md, which is of the quickstart's face and of "sample", as .png or .jpg. Environment:
+#   samples/viewer/test.sh [--picture OUT | --drag-picture OUT] [FACE.fbk SOURCE]
+# By default a face that is baked here, in about a minute. --picture and --drag-picture test nothing, and draw
+# the pictures of docs/viewer.md, which are of the quickstart's face and of "sample", as .png or .jpg. Environment:
 # FACEBAKER (build/release/bin/facebaker), VIEWER_PAGE (a built viewer; by default it is built), VIEWER_UNTIMED=1 on a
 # machine that others use: the time to the first face is printed and not checked, VIEWER_ONLY (a pattern of tests to run).
 set -eu
 picture=
-if [ "${1-}" = --picture ] && [ $# -ge 2 ]; then
+kind=
+if [ "${1-}" = --picture ] || [ "${1-}" = --drag-picture ] && [ $# -ge 2 ]; then
+  kind=$1
   picture=$(realpath -m "$2")
   shift 2
 fi
@@ -54,7 +56,7 @@ export VIEWER_MASKED="$work/masked.fbk" VIEWER_BODY="$work/body.fbk"
 export FACEBAKER="$tool" VIEWER_PAGE="$page" VIEWER_FACE="$face" VIEWER_SOURCE="$source" VIEWER_PICTURES="$work/pictures"
 if [ -n "$picture" ]; then
   cd "$work"
-  exec node draw_picture.mjs "$picture"
+  exec node draw_picture.mjs "$kind" "$picture"
 fi
 library=$(dirname "$tool")/../lib/libfacebaker.so
 character=$root/tests/golden/2.0/accepted/character.fbk # of several meshes

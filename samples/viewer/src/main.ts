@@ -1,5 +1,6 @@
 import { takeToken } from "./app/access_token";
 import { Capture } from "./app/capture";
+import { FaceDragging } from "./app/face_dragging";
 import { keepExpressions } from "./app/kept_expressions";
 import { type LoadedFace, loadFace, prepareFace } from "./app/open_faces";
 import { TimeToFace } from "./app/time_to_face";
@@ -12,6 +13,7 @@ import { watchBarHeights } from "./ui/bar_heights";
 import { startCaptureLine } from "./ui/capture_line";
 import { startClipsPanel } from "./ui/clips_panel";
 import { byId } from "./ui/dom";
+import { startDragInput } from "./ui/drag_input";
 import { startExpressionsPanel } from "./ui/expressions_panel";
 import { startFaceNames } from "./ui/face_names";
 import { startFileDialogs } from "./ui/file_dialogs";
@@ -46,9 +48,9 @@ async function beginLoading(): Promise<Opening> {
   return { list, faces };
 }
 
-function startPanels(viewer: Viewer): void {
+function startPanels(viewer: Viewer, dragging: FaceDragging): void {
   const { stage } = viewer;
-  const panel = new PosePanel(viewer);
+  const panel = new PosePanel(viewer, dragging);
   const files = startFileDialogs(viewer, card);
   const showTab = startTabs(byId("tabs"));
   const share = (): void => void sharePose(viewer);
@@ -63,7 +65,13 @@ function startPanels(viewer: Viewer): void {
   const nameExpression = startExpressionsPanel(viewer, files.open);
   keepExpressions(viewer);
   startPoseClipboard(viewer, typing);
+  startDragInput(dragging);
   startKeys(viewer, {
+    mirror: () => panel.toggleLink(),
+    drag: () => {
+      showTab("pose");
+      dragging.on = !dragging.on;
+    },
     open: files.open,
     share,
     search: () => {
@@ -138,10 +146,11 @@ async function main(): Promise<void> {
       location.reload();
     });
   viewer.opened.subscribe(() => card.hide());
-  startPanels(viewer);
+  const dragging = new FaceDragging(viewer);
+  startPanels(viewer, dragging);
   addEventListener("hashchange", () => readAddress(viewer));
   // For the console and for tests.
-  Object.assign(globalThis, { facebakerViewer: { viewer, timing } });
+  Object.assign(globalThis, { facebakerViewer: { viewer, timing, dragging } });
   await telling(() => showFirst(viewer, opening));
   await offerHeadset(byId<HTMLButtonElement>("headset"), stage, () => {
     const face = viewer.first?.face;

@@ -73,6 +73,25 @@ export async function openPage(browser, address, { width = 1280, height = 800, d
   return { page, errors, close: () => context.close() };
 }
 
+/** Where the vertex is seen that a control moves the farthest. */
+export function placeOf(page, control) {
+  return page.evaluate((control) => {
+    const { viewer, dragging } = globalThis.facebakerViewer;
+    const { face, object } = viewer.first;
+    const index = face.findControl(control);
+    const pose = viewer.pose.rest.slice();
+    pose[index] = viewer.pose.controls[index].maximum;
+    const moved = face.evaluate(pose);
+    const shown = face.evaluate(viewer.pose.values);
+    const move = (v) => Math.hypot(...[0, 1, 2].map((axis) => moved[3 * v + axis] - face.restPositions[3 * v + axis]));
+    let farthest = 0;
+    for (let v = 1; v < face.vertexCount; ++v) if (move(v) > move(farthest)) farthest = v;
+    const { x, y } = dragging.rays.placeOf([...shown.subarray(3 * farthest, 3 * farthest + 3)], object.toScene);
+    const { left, top } = viewer.stage.canvas.getBoundingClientRect();
+    return { x: x + left, y: y + top };
+  }, control);
+}
+
 /** Waits until what was asked for is on the screen. */
 export async function settle(page) {
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(resolve)))));

@@ -10,7 +10,11 @@ export interface ShownFace {
   /** The control of the first face that each of its own follows, by name; -1: none. */
   follows: Int32Array;
   bytes: number;
+  source: FaceSource;
 }
+
+/** Where an archive is read from: an address, or a file. */
+export type FaceSource = string | Blob;
 
 export type Progress = (loaded: number, total: number) => void;
 
@@ -19,19 +23,20 @@ export interface LoadedFace {
   name: string;
   face: Face;
   bytes: number;
+  source: FaceSource;
 }
 
 /** Loads an archive; what is wrong with it is told with the file's name. */
-export async function loadFace(source: string | ArrayBuffer, name: string, progress?: Progress): Promise<LoadedFace> {
-  let bytes = typeof source === "string" ? 0 : source.byteLength;
+export async function loadFace(source: FaceSource, name: string, progress?: Progress): Promise<LoadedFace> {
+  let bytes = typeof source === "string" ? 0 : source.size;
   try {
-    const face = await load(source, {
+    const face = await load(typeof source === "string" ? source : await source.arrayBuffer(), {
       progress: (loaded, total) => {
         bytes = loaded;
         progress?.(loaded, total);
       },
     });
-    return { name, face, bytes };
+    return { name, face, bytes, source };
   } catch (error) {
     const reason = error instanceof Error ? error.message : String(error);
     throw new Error(reason.includes(name) ? reason : `${name}: ${reason}`);
@@ -39,10 +44,10 @@ export async function loadFace(source: string | ArrayBuffer, name: string, progr
 }
 
 /** Makes what is drawn of a face. `first`: the face whose pose it follows; null: it is the first. */
-export function prepareFace({ name, face, bytes }: LoadedFace, first: Face | null): ShownFace {
+export function prepareFace({ name, face, bytes, source }: LoadedFace, first: Face | null): ShownFace {
   const names = new Map((first ?? face).controls.map((control, index) => [control.name, index]));
   const follows = Int32Array.from(face.controls, (control) => names.get(control.name) ?? -1);
-  return { name, face, object: new FaceObject(face), follows, bytes };
+  return { name, face, object: new FaceObject(face), follows, bytes, source };
 }
 
 /** The pose of the first face as controls of this one; those that the first does not have stay at rest. */

@@ -52,7 +52,7 @@ export async function openFiles(
     const second = i > 0 || (beside && viewer.first !== null);
     loading(file.name);
     await nextPicture(); // loading leaves no time for one
-    const loaded = await loadFace(await file.arrayBuffer(), file.name);
+    const loaded = await loadFace(file, file.name);
     viewer.show(prepareFace(loaded, second ? viewer.first!.face : null), second);
   }
   const clips: Clip[] = [];

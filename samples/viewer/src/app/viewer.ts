@@ -40,6 +40,8 @@ export class Viewer {
   readonly opened = new Signal();
   /** Another pose, mode or scale was drawn: figures are other ones. */
   readonly drawn = new Signal();
+  /** A picture is about to be drawn: the last moment to change the pose that it shows. */
+  readonly posing = new Signal();
   /** Another mode, or modes that can be chosen. */
   readonly modeChanged = new Signal();
   /** Another list of clips. */
@@ -259,6 +261,7 @@ export class Viewer {
 
   #beforeDraw(now: number): void {
     this.player.advance(now);
+    this.posing.emit();
     if (this.player.playing) this.stage.draw();
     if (!this.#stale || this.faces.length === 0) return;
     this.#stale = false;

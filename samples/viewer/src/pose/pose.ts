@@ -36,6 +36,13 @@ export class Pose {
     });
   }
 
+  /** Edits all controls; what is done until endStep() is undone at once. */
+  move(values: ArrayLike<number>): void {
+    this.#edit(() => {
+      for (let index = 0; index < this.values.length; ++index) this.#put(index, values[index]);
+    });
+  }
+
   endStep(): void {
     this.history.end(this.values);
   }
@@ -50,9 +57,7 @@ export class Pose {
   /** Edits all controls in one step. */
   assign(values: ArrayLike<number>): void {
     this.endStep();
-    this.#edit(() => {
-      for (let index = 0; index < this.values.length; ++index) this.#put(index, values[index]);
-    });
+    this.move(values);
     this.endStep();
   }
 

@@ -78,6 +78,12 @@ export class FaceObject extends Group {
     return performance.now() - start;
   }
 
+  /** From the face's own space and units to the scene's. */
+  get toScene(): Matrix4 {
+    this.#shaded.updateWorldMatrix(true, false);
+    return this.#shaded.matrixWorld;
+  }
+
   /** Shows positions from elsewhere in place of a pose. */
   showPositions(positions: Float32Array): void {
     this.#normals ??= new Float32Array(positions.length);

@@ -129,6 +129,16 @@ export class Stage {
     this.draw();
   }
 
+  /** Ends a turn that goes on by itself after the pointer has let go. */
+  halt(): void {
+    const { view } = this;
+    const damped = this.#orbit.enableDamping;
+    this.#orbit.enableDamping = false; // forgets what is left of it
+    this.#orbit.update();
+    this.#orbit.enableDamping = damped;
+    this.view = view;
+  }
+
   turn(right: number, up: number): void {
     const offset = this.camera.position.clone().sub(this.#orbit.target);
     const angles = new Spherical().setFromVector3(offset);

@@ -7,6 +7,8 @@ export interface KeyActions {
   share(): void;
   search(): void;
   keepExpression(): void;
+  drag(): void;
+  mirror(): void;
 }
 
 const HELP: readonly (readonly [string, string])[] = [
@@ -26,6 +28,7 @@ const HELP: readonly (readonly [string, string])[] = [
   ["Ctrl+V", "pose the face by such a text"],
   ["R", "all controls to rest"],
   ["X", "a random pose"],
+  ["D", "drag points of the face, or turn it"],
   ["M", "left and right together, or not"],
   ["E", "keep the pose as an expression"],
   ["/", "search controls"],
@@ -111,7 +114,8 @@ export function startKeys(viewer: Viewer, actions: KeyActions): void {
     o: actions.open,
     c: actions.share,
     e: actions.keepExpression,
-    m: () => document.querySelector<HTMLButtonElement>("#pose button[aria-pressed]")?.click(),
+    d: actions.drag,
+    m: actions.mirror,
   };
   document.addEventListener("keydown", (event) => {
     if (document.querySelector("dialog[open]")) return;

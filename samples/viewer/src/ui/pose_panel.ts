@@ -1,8 +1,10 @@
 import type { Control } from "facebaker";
+import type { FaceDragging } from "../app/face_dragging";
 import type { Viewer } from "../app/viewer";
 import type { Pose } from "../pose/pose";
 import { ControlRow } from "./control_row";
 import { byId, element } from "./dom";
+import { DragRow } from "./drag_row";
 import { UndoButtons } from "./undo_buttons";
 
 interface Group {
@@ -22,25 +24,34 @@ export class PosePanel {
   readonly #link = element("button", { type: "button", "aria-pressed": "false", title: "Move left and right together" }, "Mirror");
   readonly #random = element("button", { type: "button", title: "A few controls at random (X)" }, "Random");
   readonly #undo: UndoButtons;
+  readonly #drag: DragRow;
   readonly #moved = element("span", { class: "grow", role: "status" });
   readonly #resetAll = element("button", { type: "button", title: "All controls to rest (R)" }, "Reset all");
   readonly #none = element("p", { class: "none", hidden: true }, "No control has this in its name.");
   #pose: Pose | null = null;
   #groups: Group[] = [];
 
-  constructor(readonly viewer: Viewer) {
+  constructor(
+    readonly viewer: Viewer,
+    dragging: FaceDragging,
+  ) {
     this.#undo = new UndoButtons(viewer);
+    this.#drag = new DragRow(dragging);
+    dragging.openControls = () => this.#openControls();
     this.#search.addEventListener("input", () => this.#filter());
     this.#random.addEventListener("click", () => this.#pose?.randomise());
     this.#resetAll.addEventListener("click", () => this.#pose?.reset());
-    this.#link.addEventListener("click", () => {
-      if (!this.#pose) return;
-      this.#pose.linked = !this.#pose.linked;
-      this.#link.setAttribute("aria-pressed", String(this.#pose.linked));
-    });
+    this.#link.addEventListener("click", () => this.toggleLink());
     viewer.opened.subscribe(() => {
       if (viewer.pose !== this.#pose) this.#build();
     });
+  }
+
+  /** Has left and right move together, or not any more. */
+  toggleLink(): void {
+    if (!this.#pose?.hasPairs) return;
+    this.#pose.linked = !this.#pose.linked;
+    this.#link.setAttribute("aria-pressed", String(this.#pose.linked));
   }
 
   focusSearch(): void {
@@ -72,10 +83,20 @@ export class PosePanel {
       { class: "find" },
       element("div", { class: "row" }, this.#search, this.#undo.undo, this.#undo.redo),
       element("div", { class: "row" }, this.#moved, this.#link, this.#random, this.#resetAll),
+      element("div", { class: "row" }, this.#drag.drag, this.#drag.openOnly),
+      this.#drag.state,
     );
     this.#panel.replaceChildren(find, ...this.#exactPoses(pose), this.#none, ...this.#groups.map(({ details }) => details));
     pose.changed.subscribe(() => this.#show());
     this.#show();
+  }
+
+  /** One a control, 1: its group is open. */
+  #openControls(): Uint8Array {
+    const open = new Uint8Array(this.viewer.pose.values.length);
+    for (const { details, rows } of this.#groups)
+      if (details.open) for (const { control } of rows) open[control.index] = 1;
+    return open;
   }
 
   #makeGroup(name: string, controls: readonly Control[], pose: Pose): Group {
