@@ -17,6 +17,7 @@ import { startDragInput } from "./ui/drag_input";
 import { startExpressionsPanel } from "./ui/expressions_panel";
 import { startFaceNames } from "./ui/face_names";
 import { startFileDialogs } from "./ui/file_dialogs";
+import { startKeyframesPanel } from "./ui/keyframes_panel";
 import { startKeys, typing } from "./ui/keys";
 import { startLegend } from "./ui/legend";
 import { tell, telling } from "./ui/messages";
@@ -62,12 +63,14 @@ function startPanels(viewer: Viewer, dragging: FaceDragging): void {
   startPlayerBar(viewer);
   startAboutPanel(viewer);
   startClipsPanel(viewer, files.open, files.openFolder);
+  const addKeyframe = startKeyframesPanel(viewer);
   const nameExpression = startExpressionsPanel(viewer, files.open);
   keepExpressions(viewer);
   startPoseClipboard(viewer, typing);
   startDragInput(dragging);
   startKeys(viewer, {
     mirror: () => panel.toggleLink(),
+    addKeyframe,
     drag: () => {
       showTab("pose");
       dragging.on = !dragging.on;

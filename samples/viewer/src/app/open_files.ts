@@ -1,6 +1,7 @@
 import type { Face } from "facebaker";
 import { type Clip, ClipError } from "../clips/clip";
 import { readDataset } from "../clips/dataset_folder";
+import { holdsKeyframes, readKeyframes } from "../clips/keyframe_file";
 import { parseLiveLink } from "../clips/live_link";
 import { controlsOf, parseNpy } from "../clips/npy";
 import { holdsExpressions, readExpressions } from "../pose/expression_file";
@@ -23,10 +24,22 @@ function takeExpressions(text: string, file: File, viewer: Viewer, notes: string
   notes.push(`${file.name}: ${added} ${added === 1 ? "expression is" : "expressions are"} new in the list.`, ...read.notes);
 }
 
-/** A clip; null for a table of expressions, which the viewer's list has then. */
+/** Has the keyframes of a table be those of the viewer. */
+function takeKeyframes(text: string, file: File, viewer: Viewer, notes: string[]): void {
+  const read = readKeyframes(text, file.name, faceFor(file, viewer, "keyframes are").controls);
+  viewer.keyframes.replace(read.keyframes);
+  const many = read.keyframes.length === 1 ? "pose is" : "poses are";
+  notes.push(`${file.name}: ${read.keyframes.length} ${many} the keyframes now.`, ...read.notes);
+}
+
+/** A clip; null for a table of expressions or keyframes, which the viewer's list has then. */
 async function readClip(file: File, viewer: Viewer, notes: string[]): Promise<Clip | null> {
   if (ending(file.name) === "csv") {
     const text = await file.text();
+    if (holdsKeyframes(text)) {
+      takeKeyframes(text, file, viewer, notes);
+      return null;
+    }
     if (!holdsExpressions(text)) return parseLiveLink(text, faceFor(file, viewer, "clip is").controls, file.name);
     takeExpressions(text, file, viewer, notes);
     return null;

@@ -1,6 +1,7 @@
 import type { ExpectedError } from "facebaker";
 import { Box3 } from "three";
 import type { Clip } from "../clips/clip";
+import { KeyframeList } from "../clips/keyframes";
 import { Player } from "../clips/player";
 import { ExpressionList } from "../pose/expressions";
 import { Pose } from "../pose/pose";
@@ -47,6 +48,7 @@ export class Viewer {
   /** Another list of clips. */
   readonly clipsChanged = new Signal();
   readonly expressions = new ExpressionList();
+  readonly keyframes = new KeyframeList();
   readonly player = new Player();
   /** Errors of the clip's frames, where its true positions are known. */
   readonly curve = new ErrorCurve();
@@ -208,6 +210,7 @@ export class Viewer {
     this.pose.changed.subscribe(() => this.refresh());
     this.pose.edited.subscribe(() => this.player.pause());
     this.clips = [];
+    this.keyframes.replace([]);
     this.truth = new TruePositions(shown.face.vertexCount, {
       ready: () => {
         this.modeChanged.emit();

@@ -51,3 +51,16 @@ export function controlsOf(array: NpyArray, controlCount: number, name: string):
   if (!array.values.every(Number.isFinite)) throw new ClipError(`${name}: holds a value that is no finite number`);
   return { frames, controls: array.values };
 }
+
+/** A NumPy file of floats in C order. */
+export function writeNpy(values: Float32Array, shape: readonly number[]): Uint8Array<ArrayBuffer> {
+  const header = `{'descr': '<f4', 'fortran_order': False, 'shape': (${shape.join(", ")}), }`;
+  const start = 64 * Math.ceil((10 + header.length + 1) / 64);
+  const bytes = new Uint8Array(start + 4 * values.length);
+  bytes.set([0x93, ...new TextEncoder().encode("NUMPY"), 1, 0]);
+  bytes.set(new TextEncoder().encode(`${header.padEnd(start - 11)}\n`), 10);
+  const view = new DataView(bytes.buffer);
+  view.setUint16(8, start - 10, true);
+  values.forEach((value, i) => view.setFloat32(start + 4 * i, value, true));
+  return bytes;
+}

@@ -1,24 +1,13 @@
 import type { Control } from "facebaker";
-import { ClipError } from "../clips/clip";
-import { numberOf, parseCsv } from "../clips/csv";
-import { matchNames } from "../clips/match_names";
 import type { Expression } from "./expressions";
-import { shortest } from "./pose_link";
-
-const NAME_COLUMN = "expression";
+import { readPoseTable, writePoseTable } from "./pose_table";
 
 /**
  * Expressions as a table of comma-separated values, which `facebaker bake --exact` and `--poses-like` read as well: a
- * column of names, then one for each control that is not at rest in all of them, with the very floats.
+ * column of names, then the controls.
  */
 export function writeExpressions(expressions: readonly Expression[], controls: readonly Control[]): string {
-  const moved = ({ index, neutral }: Control): boolean =>
-    expressions.some(({ values }) => values[index] !== Math.fround(neutral));
-  const columns = controls.filter(moved);
-  const broken = columns.find(({ name }) => /[",;\t\n]/.test(name));
-  if (broken) throw new Error(`control "${broken.name}": a .csv cannot have a column of this name`);
-  const rows = expressions.map(({ name, values }) => [name, ...columns.map(({ index }) => shortest(values[index]))]);
-  return [[NAME_COLUMN, ...columns.map(({ name }) => name)], ...rows].map((cells) => `${cells.join(",")}\n`).join("");
+  return writePoseTable("expression", expressions.map(({ name, values }) => ({ cell: name, values })), controls);
 }
 
 /** Whether a .csv holds expressions: its first line names a column of names. */
@@ -30,38 +19,8 @@ export interface ReadExpressions {
   notes: string[];
 }
 
-/** The control of each column, -1 where there is none. Fails where there is none at all. */
-function controlsOfColumns(columns: readonly string[], controls: readonly Control[], file: string, notes: string[]): number[] {
-  const found = matchNames(columns, controls.map(({ name, arkit, facs }) => [name, arkit, facs]));
-  const known = found.filter((control) => control >= 0);
-  const twice = known.find((control, i) => known.indexOf(control) !== i);
-  if (twice !== undefined) throw new ClipError(`${file}: two columns are the control "${controls[twice].name}"`);
-  const unknown = columns.filter((_, i) => found[i] < 0).map((name) => `"${name}"`);
-  const named = unknown.slice(0, 5).join(", ") + (unknown.length > 5 ? ` and ${unknown.length - 5} more` : "");
-  if (known.length === 0 && unknown.length > 0) throw new ClipError(`${file}: this face has no controls ${named}`);
-  if (unknown.length > 0) notes.push(`${file}: this face has no controls ${named}; they are left out.`);
-  return found;
-}
-
 /** Reads what writeExpressions writes, or a spreadsheet; messages name the file, the line and the column. */
 export function readExpressions(text: string, file: string, controls: readonly Control[]): ReadExpressions {
-  const { columns, rows } = parseCsv(text, file);
-  const notes: string[] = [];
-  const found = controlsOfColumns(columns.slice(1), controls, file, notes);
-  let outside = 0;
-  const expressions = rows.map(({ line, cells }) => {
-    const values = Float32Array.from(controls, ({ neutral }) => neutral);
-    found.forEach((control, i) => {
-      if (control < 0) return;
-      const { minimum, maximum } = controls[control];
-      const value = numberOf(cells[i + 1], `${file}, line ${line}, column "${columns[i + 1]}"`);
-      values[control] = Math.min(Math.max(value, minimum), maximum);
-      if (value < minimum || value > maximum) ++outside;
-    });
-    return { name: cells[0], values };
-  });
-  if (expressions.length === 0) throw new ClipError(`${file}: there are no expressions below its first line`);
-  const many = outside === 1 ? "value is" : "values are";
-  if (outside > 0) notes.push(`${file}: ${outside} ${many} outside the range of the control, and clamped.`);
-  return { expressions, notes };
+  const { rows, notes } = readPoseTable(text, file, controls, "expressions");
+  return { expressions: rows.map(({ cell, values }) => ({ name: cell, values })), notes };
 }

@@ -4,7 +4,8 @@ import { figure } from "./number_text";
 
 /** The list of clips. */
 export function startClipsPanel(viewer: Viewer, open: () => void, openFolder: () => void): void {
-  const panel = byId("clips");
+  const panel = element("div");
+  byId("clips").append(panel);
   const show = (): void => {
     const list = element("ul", { class: "clips" });
     for (const clip of viewer.clips) {

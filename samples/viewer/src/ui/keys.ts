@@ -7,6 +7,7 @@ export interface KeyActions {
   share(): void;
   search(): void;
   keepExpression(): void;
+  addKeyframe(): void;
   drag(): void;
   mirror(): void;
 }
@@ -31,6 +32,7 @@ const HELP: readonly (readonly [string, string])[] = [
   ["D", "drag points of the face, or turn it"],
   ["M", "left and right together, or not"],
   ["E", "keep the pose as an expression"],
+  ["K", "add the pose to the keyframes"],
   ["/", "search controls"],
   ["O", "open files"],
   ["C", "copy a link to the pose"],
@@ -115,6 +117,7 @@ export function startKeys(viewer: Viewer, actions: KeyActions): void {
     c: actions.share,
     e: actions.keepExpression,
     d: actions.drag,
+    k: actions.addKeyframe,
     m: actions.mirror,
   };
   document.addEventListener("keydown", (event) => {

@@ -2,8 +2,8 @@ import { byId, element } from "./dom";
 
 const SECONDS = 8;
 
-/** Says something over the picture: an error stays until it is closed. */
-export function tell(text: string, kind: "note" | "error" = "note"): void {
+/** Says something over the picture: an error stays until it is closed. Returns the message. */
+export function tell(text: string, kind: "note" | "error" = "note"): HTMLElement {
   const list = byId("messages");
   const close = element("button", { type: "button", class: "plain", "aria-label": "Close this message" }, "×");
   const message = element("div", { class: kind, role: kind === "error" ? "alert" : "status" }, element("span", {}, text), close);
@@ -11,6 +11,7 @@ export function tell(text: string, kind: "note" | "error" = "note"): void {
   if (kind === "note") setTimeout(() => message.remove(), SECONDS * 1000);
   list.append(message);
   while (list.children.length > 4) list.firstElementChild?.remove();
+  return message;
 }
 
 /** Runs something and says what went wrong with it. */
