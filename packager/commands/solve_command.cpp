@@ -20,6 +20,9 @@
 namespace fb::tool {
 namespace {
 
+// In millimetres: half of the closest points of two heads are 2 to 4.5 apart (docs/solve-targets.md).
+constexpr double other_mesh_noise = 3;
+
 struct SolveCommand {
   std::string archive, out, motion_out;
   SolveTargetOptions target;
@@ -68,11 +71,12 @@ void SolveCommand::run() {
   outputs.claim();
   PoseEvaluator evaluator(model, parallel);
   preferences.movable = movable_controls(model);
-  const auto metres = metres_per(fb_units(model.get()));
-  if (noise_mm > 0) preferences.noise = static_cast<float>(metres ? noise_mm * 0.001 / *metres : noise_mm);
   ProgressBar progress;
   const OpenedTarget opened = open_target(target, evaluator.character(), parallel);
   for (const std::string& note : opened.target.notes) progress.note(note);
+  const auto metres = metres_per(fb_units(model.get()));
+  const double noise = noise_mm > 0 ? noise_mm : opened.surface ? other_mesh_noise : 0;
+  if (noise > 0) preferences.noise = static_cast<float>(metres ? noise * 0.001 / *metres : noise);
   preferences.find_motion = head_motion || (opened.moves_head && !no_head_motion);
   const SolvedClip clip = solve_clip(model, opened.target, preferences, progress);
   const std::size_t frames = clip.frames.size();
@@ -100,7 +104,7 @@ void add_solve(Command tool) {
       .not_with(with);
   app.add_option("--motion-out", command->motion_out, "Write where the head is, a NumPy file of frames x 3 x 4")
       .type_name("FILE.npy");
-  app.add_option("--noise", command->noise_mm, "What the target is off by itself, in millimetres; by default 0.5")
+  app.add_option("--noise", command->noise_mm, "What the target is off by itself, in millimetres; by default 0.5, and 3 for another mesh")
       .type_name("MM")
       .not_negative();
   app.add_option("--nearness", command->preferences.nearness,
