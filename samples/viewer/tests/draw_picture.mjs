@@ -31,6 +31,7 @@ async function dragMouth() {
   await page.getByRole("button", { name: "Drag points" }).click();
   await page.getByLabel("Search controls").fill("smile");
   await page.waitForFunction(() => !globalThis.facebakerViewer.dragging.loading);
+  await settle(page);
   const { x, y } = await placeOf(page, "smile_L");
   await page.evaluate(([x, y]) => {
     const { dragging } = globalThis.facebakerViewer;

@@ -21,6 +21,7 @@ export class ViewRays {
 
   /** Where a point of the face is seen, from the left and from the top of the picture. */
   placeOf(point: readonly [number, number, number], toScene: Matrix4): { x: number; y: number } {
+    this.camera.updateMatrixWorld();
     const seen = new Vector3(...point).applyMatrix4(toScene).project(this.camera);
     return { x: ((seen.x + 1) / 2) * this.canvas.clientWidth, y: ((1 - seen.y) / 2) * this.canvas.clientHeight };
   }
