@@ -41,4 +41,25 @@ std::vector<Vector3> vertex_normals(std::span<const std::uint32_t> triangles, st
   return normals;
 }
 
+std::array<float, 3> nearest_weights(Vector3 p, Vector3 a, Vector3 b, Vector3 c) {
+  const Vector3 ab = b - a, ac = c - a;
+  const float d1 = dot(ab, p - a), d2 = dot(ac, p - a);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  const float d3 = dot(ab, p - b), d4 = dot(ac, p - b);
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  const float vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+  const float d5 = dot(ab, p - c), d6 = dot(ac, p - c);
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const float vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+  const float va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6) {
+    const float w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - w, w};
+  }
+  const float sum = va + vb + vc;
+  return {va / sum, vb / sum, vc / sum};
+}
+
 }  // namespace fb

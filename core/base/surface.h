@@ -1,6 +1,7 @@
-// Size, triangles and normals of a mesh.
+// Size, triangles and normals of a mesh, and nearest points of triangles.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,5 +20,9 @@ std::vector<std::uint32_t> triangle_fans(std::span<const std::uint32_t> sizes, s
 // Unit vertex normals, averaged over the adjacent triangles weighted by their area; null for a vertex without one.
 // triangles: three vertex indices each; points: 3 x vertices.
 std::vector<Vector3> vertex_normals(std::span<const std::uint32_t> triangles, std::span<const float> points);
+
+// Barycentric weights of the point of triangle abc, of an area above 0, that is nearest to p: Ericson, "Real-Time
+// Collision Detection" (2005), section 5.1.5.
+std::array<float, 3> nearest_weights(Vector3 p, Vector3 a, Vector3 b, Vector3 c);
 
 }  // namespace fb

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/status.h"
+#include "base/surface.h"
 
 namespace fb::tool {
 namespace {
@@ -19,36 +20,6 @@ float squared_distance(Vector3 point, Vector3 low, Vector3 high) {
                            std::max({low.y - point.y, 0.0f, point.y - high.y}),
                            std::max({low.z - point.z, 0.0f, point.z - high.z})};
   return dot(outside, outside);
-}
-
-// Weights of a triangle's corners at its closest point to p: by the region of its plane, the corners', the edges' or
-// the triangle's own, over which p lies. Ericson, Real-Time Collision Detection (2005), section 5.1.5.
-std::array<float, 3> closest_weights(Vector3 p, Vector3 a, Vector3 b, Vector3 c) {
-  const Vector3 ab = b - a, ac = c - a;
-  const float ab_a = dot(ab, p - a), ac_a = dot(ac, p - a);
-  if (ab_a <= 0 && ac_a <= 0) return {1, 0, 0};
-  const float ab_b = dot(ab, p - b), ac_b = dot(ac, p - b);
-  if (ab_b >= 0 && ac_b <= ab_b) return {0, 1, 0};
-  const float area_c = ab_a * ac_b - ab_b * ac_a;
-  if (area_c <= 0 && ab_a >= 0 && ab_b <= 0) {
-    const float along = ab_a / (ab_a - ab_b);
-    return {1 - along, along, 0};
-  }
-  const float ab_c = dot(ab, p - c), ac_c = dot(ac, p - c);
-  if (ac_c >= 0 && ab_c <= ac_c) return {0, 0, 1};
-  const float area_b = ab_c * ac_a - ab_a * ac_c;
-  if (area_b <= 0 && ac_a >= 0 && ac_c <= 0) {
-    const float along = ac_a / (ac_a - ac_c);
-    return {1 - along, 0, along};
-  }
-  const float area_a = ab_b * ac_c - ab_c * ac_b;
-  if (area_a <= 0 && ac_b >= ab_b && ab_c >= ac_c) {
-    const float along = (ac_b - ab_b) / ((ac_b - ab_b) + (ab_c - ac_c));
-    return {0, 1 - along, along};
-  }
-  const float sum = area_a + area_b + area_c;
-  const float weight_b = area_b / sum, weight_c = area_c / sum;
-  return {1 - weight_b - weight_c, weight_b, weight_c};
 }
 
 }  // namespace
@@ -116,7 +87,7 @@ void TriangleTree::visit_leaf(const Node& node, Vector3 point, const ClosestQuer
     ClosestPoint found;
     found.triangle = t;
     std::copy_n(&triangles_[3 * t], 3, found.surface.vertices.begin());
-    found.surface.weights = closest_weights(point, vector_at(points_.data(), triangles_[3 * t]),
+    found.surface.weights = nearest_weights(point, vector_at(points_.data(), triangles_[3 * t]),
                                             vector_at(points_.data(), triangles_[3 * t + 1]),
                                             vector_at(points_.data(), triangles_[3 * t + 2]));
     found.position = found.surface.at(points_);
