@@ -9,11 +9,7 @@
 #include <string.h>
 #include <time.h>
 
-static void* allocate(size_t bytes) {
-  void* const memory = calloc(bytes > 0 ? bytes : 1, 1);
-  if (!memory) exit(3);
-  return memory;
-}
+#include "native_helpers.h"
 
 static fb_status load(const char* path, fb_model** model) {
   FILE* const file = fopen(path, "rb");
@@ -30,20 +26,6 @@ static fb_status load(const char* path, fb_model** model) {
   const fb_status status = fb_load_memory(bytes, (size_t)size, NULL, model);
   free(bytes);
   return status;
-}
-
-static void check(fb_status status) {
-  if (status == FB_OK) return;
-  fprintf(stderr, "%s: %s\n", fb_status_name(status), fb_last_error());
-  exit(1);
-}
-
-static uint64_t state = 88172645463325252u;
-static float draw(void) { /* xorshift64, in [0, 1) */
-  state ^= state << 13;
-  state ^= state >> 7;
-  state ^= state << 17;
-  return (float)(state >> 40) / 16777216.0f;
 }
 
 /* Even poses move every control, odd ones a fifth of them; every eighth goes beyond the ranges. */

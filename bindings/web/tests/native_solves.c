@@ -8,27 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "native_helpers.h"
+
 enum { MOST_POINTS = 24 };
-
-static void* allocate(size_t bytes) {
-  void* const memory = calloc(bytes > 0 ? bytes : 1, 1);
-  if (!memory) exit(3);
-  return memory;
-}
-
-static void check(fb_status status) {
-  if (status == FB_OK) return;
-  fprintf(stderr, "%s: %s\n", fb_status_name(status), fb_last_error());
-  exit(1);
-}
-
-static uint64_t state = 88172645463325252u;
-static float draw(void) { /* xorshift64, in [0, 1) */
-  state ^= state << 13;
-  state ^= state >> 7;
-  state ^= state << 17;
-  return (float)(state >> 40) / 16777216.0f;
-}
 
 /* A third of the controls somewhere in their ranges, the others at rest. */
 static void draw_pose(const fb_model* model, float* pose) {
