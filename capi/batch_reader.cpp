@@ -18,7 +18,7 @@ std::size_t batch_threads(const fb_batch_desc& desc, std::size_t workers) {
 }
 
 // 1 for those that a list names, or for all without a list. `what`: "region".
-void fill_mask(std::pmr::vector<std::uint8_t>& mask, const std::uint32_t* list, std::uint64_t count, const char* what) {
+void fill_mask(std::span<std::uint8_t> mask, const std::uint32_t* list, std::uint64_t count, const char* what) {
   for (std::uint64_t i = 0; list && i < count; ++i)
     if (list[i] >= mask.size())
       fail(Status::invalid_argument, "fb_batch_desc: %s %u of %zu", what, list[i], mask.size());
@@ -27,16 +27,16 @@ void fill_mask(std::pmr::vector<std::uint8_t>& mask, const std::uint32_t* list, 
 }
 
 // Regions that move none of the meshes to be posed are left out, too.
-runtime::PoseMasks read_masks(const fb_batch_desc& desc, fb_scratch& scratch) {
+runtime::PoseMasks read_masks(const fb_batch_desc& desc, const ScratchPart& part) {
   runtime::PoseMasks masks;
   if (desc.regions || desc.meshes) {
-    fill_mask(scratch.regions, desc.regions, desc.region_count, "region");
-    masks.regions = scratch.regions;
+    fill_mask(part.regions(), desc.regions, desc.region_count, "region");
+    masks.regions = part.regions();
   }
   if (desc.meshes) {
-    fill_mask(scratch.meshes, desc.meshes, desc.mesh_count, "mesh");
-    masks.meshes = scratch.meshes;
-    scratch.owner.model->evaluator.leave_out_idle_regions(scratch.meshes, desc.channels, scratch.regions);
+    fill_mask(part.meshes(), desc.meshes, desc.mesh_count, "mesh");
+    masks.meshes = part.meshes();
+    part.scratch.owner.model->evaluator.leave_out_idle_regions(part.meshes(), desc.channels, part.regions());
   }
   return masks;
 }
@@ -49,7 +49,7 @@ std::size_t size_of(std::uint64_t given) {
   return static_cast<std::size_t>(given);
 }
 
-runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
+runtime::Batch read_batch(const fb_batch_desc& desc, const ScratchPart& part) {
   if (desc.poses > 0) {
     require(desc.controls, "fb_batch_desc: controls");
     if (!desc.normals && !desc.tangents && !desc.sockets && !desc.channels && !desc.expected_errors && !desc.outside &&
@@ -74,7 +74,7 @@ runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
                       size_of(desc.tangent_vertex_stride)};
   batch.order = static_cast<runtime::VertexOrder>(desc.vertex_order);
   batch.format = static_cast<runtime::NumberFormat>(desc.format);
-  batch.masks = read_masks(desc, scratch);
+  batch.masks = read_masks(desc, part);
   batch.masks.lod = desc.lod;
   if (desc.level_only > 1) fail(Status::invalid_argument, "fb_batch_desc: level_only %u", desc.level_only);
   batch.masks.level_only = desc.level_only != 0;
@@ -102,12 +102,14 @@ fb_batch_desc read_batch_desc(const fb_batch_desc& given) {
   return read_struct<fb_batch_desc>(given, fill, "fb_batch_desc");
 }
 
-void evaluate_batch(fb_scratch& scratch, const fb_batch_desc& batch) {
-  const Parallel parallel = {static_cast<int>(batch_threads(batch, scratch.workspaces.size())), batch.parallel_for,
+std::uint64_t evaluate_batch(const ScratchPart& part, const fb_batch_desc& batch) {
+  const std::span<runtime::Workspace> workspaces = part.workspaces();
+  const Parallel parallel = {static_cast<int>(batch_threads(batch, workspaces.size())), batch.parallel_for,
                              batch.parallel_user};
-  scratch.owner.model->evaluator.evaluate_batch(read_batch(batch, scratch), scratch.workspaces, parallel);
-  scratch.clamped = 0;
-  for (const runtime::Workspace& workspace : scratch.workspaces) scratch.clamped += workspace.clamped();
+  part.scratch.owner.model->evaluator.evaluate_batch(read_batch(batch, part), workspaces, parallel);
+  std::uint64_t clamped = 0;
+  for (const runtime::Workspace& workspace : workspaces) clamped += workspace.clamped();
+  return clamped;
 }
 
 }  // namespace fb::capi

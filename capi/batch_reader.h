@@ -3,12 +3,17 @@
 
 #include <facebaker/facebaker.h>
 
+#include <cstdint>
+
 namespace fb::capi {
+
+struct ScratchPart;
 
 // A caller's description, of any size, with defaults for what it does not have.
 fb_batch_desc read_batch_desc(const fb_batch_desc& given);
 
-// Poses a batch, as read_batch_desc returns it, with a scratch that the caller uses, see ScratchUse.
-void evaluate_batch(fb_scratch& scratch, const fb_batch_desc& batch);
+// Poses a batch, as read_batch_desc returns it, with workers of a scratch that the caller uses, see ScratchUse. Returns
+// how many control values were clamped.
+std::uint64_t evaluate_batch(const ScratchPart& part, const fb_batch_desc& batch);
 
 }  // namespace fb::capi

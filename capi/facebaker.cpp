@@ -440,7 +440,7 @@ fb_status fb_expected_error(const fb_model* model, fb_scratch* scratch, const fl
 }
 
 uint64_t fb_clamped_count(const fb_scratch* scratch) {
-  return scratch ? scratch->clamped : 0;
+  return scratch ? scratch->clamped.load() : 0;
 }
 
 void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size) {
@@ -453,7 +453,7 @@ fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb
     require(scratch, "scratch");
     require(desc, "desc");
     const ScratchUse use(scratch, model);
-    fb::capi::evaluate_batch(*scratch, fb::capi::read_batch_desc(*desc));
+    scratch->clamped = fb::capi::evaluate_batch(fb::capi::ScratchPart(*scratch), fb::capi::read_batch_desc(*desc));
   });
 }
 

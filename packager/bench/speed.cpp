@@ -107,6 +107,7 @@ class SpeedBench {
   const float* pose_at(std::size_t pose) const { return controls_.data() + pose % poses_ * width_; }
   void evaluate(std::size_t pose) { scratch_.evaluate(pose_at(pose), positions_.data()); }
   std::vector<Timing> crowd_timings();
+  std::vector<Timing> instance_timings();
   double mean_bytes_of_shapes();
   MorphFigures morph_figures();
   // One pose by fb_evaluate_batch, for its options.
@@ -129,7 +130,7 @@ class SpeedBench {
   PaperNetwork paper_;
   FloatModel float_model_;
   SparseShapes shapes_;
-  TimedCrowd crowd_;
+  TimedCrowd crowd_, instances_;
   double pose_bytes_ = 0;                                  // mean, of the model
   double read_microseconds_ = 0, write_microseconds_ = 0;  // a byte
   const std::vector<float> rest_;
@@ -150,7 +151,7 @@ SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float>
       options_(options),
       progress_(progress),
       model_(archive_.bytes, archive_.byte_count),
-      scratch_(model_),
+      scratch_(model_, 1),
       shared_scratch_(model_, 2),
       width_(model_.control_count()),
       floats_(3 * std::size_t(model_.vertex_count())),
@@ -158,7 +159,8 @@ SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float>
       paper_(width_, model_.vertex_count()),
       float_model_(archive, model_),
       shapes_(model_, controls),
-      crowd_(archive_, options.crowd),
+      crowd_(archive_, options.crowd, options.crowd, 2),
+      instances_(archive_, options.instances, 1, 2, true),
       rest_(model_.rest_controls()),
       positions_(floats_),
       normals_(floats_),
@@ -260,6 +262,27 @@ std::vector<Timing> SpeedBench::crowd_timings() {
     const auto pose = [this, normals](std::size_t p) { evaluate_as_batch(p, {.normals = normals, .threads = 2}); };
     const char* const name = normals ? "positions and normals, shared by 2 threads" : "positions, shared by 2 threads";
     Timing& timing = timings.emplace_back(posing(name, pose, normals ? 24 : 12));
+    timing.elapsed = true;
+  }
+  return timings;
+}
+
+// Of one face, with normals.
+std::vector<Timing> SpeedBench::instance_timings() {
+  const std::size_t count = instances_.size();
+  if (count == 0) return {};
+  std::vector<Timing> timings = {
+      posing(
+          format("%zu instances, 1 thread", count),
+          [=, this](std::size_t call) { instances_.evaluate(call * count, controls_, 1); }, 24),
+      posing(
+          format("%zu instances, 2 threads", count),
+          [=, this](std::size_t call) { instances_.evaluate(call * count, controls_, 2); }, 24),
+      posing(
+          format("%zu instances in turn", count),
+          [=, this](std::size_t call) { instances_.evaluate_in_turn(call * count, controls_); }, 24)};
+  for (Timing& timing : timings) {
+    timing.poses_a_call = count;
     timing.elapsed = true;
   }
   return timings;
@@ -376,7 +399,7 @@ Speed SpeedBench::run() {
   std::vector<Timing> warm = warm_timings();
   std::vector<Timing> cold = {warm[0], warm[6], warm[7]};
   for (Timing& timing : cold) timing.name = "cold: " + timing.name;
-  std::vector<Timing> crowds = crowd_timings();
+  std::vector<Timing> crowds = crowd_timings(), instances = instance_timings();
   std::vector<Timing> batches = batch_timings();
   const double begin = thread_time(), begin_elapsed = elapsed_time();
   measure_warm("measuring warm poses", warm);
@@ -384,6 +407,7 @@ Speed SpeedBench::run() {
   const double waited = std::max(0.0, 1 - (thread_time() - begin) / elapsed);
   measure_cold(cold);
   measure_warm("measuring crowds", crowds);
+  measure_warm("measuring instances", instances);
   measure_batches(batches);
   Speed speed;
   speed.processor = processor_name();
@@ -405,6 +429,7 @@ Speed SpeedBench::run() {
   };
   add(lines_of(cold, parts_of_cold));
   add(lines_of(crowds, options_.rounds));
+  add(lines_of(instances, options_.rounds));
   add(lines_of(batches, options_.rounds));
   add({read, write, read_line("reading as many bytes as the paper's network has", paper_.bytes())});
   return speed;

@@ -55,6 +55,7 @@ struct SpeedOptions {
   std::size_t cold = 40;   // poses evaluated with cold caches
   std::size_t batch = 256;
   std::size_t crowd = 8;  // faces
+  std::size_t instances = 100;  // of one face, posed together; 0: not measured
 };
 
 // On the calling thread. controls: poses x controls, in the order they are evaluated. Fails if there is no pose.

@@ -4,30 +4,32 @@
 #include <cstddef>
 #include <cstdint>
 #include <facebaker/facebaker_bake.hpp>
-#include <memory>
 #include <span>
 #include <vector>
 
 namespace fb::tool {
 
-// Several models of one archive, each loaded by itself, as different characters are, so that they share no memory.
+// Faces of one archive that are posed together, each with outputs of its own.
 class TimedCrowd {
  public:
-  TimedCrowd(const fb_archive_info& archive, std::size_t faces);
+  // models: how many times the archive is loaded, so that faces share no memory, as different characters do not. Face f
+  // is of model f % models. `workers`: threads of evaluate at most.
+  TimedCrowd(const fb_archive_info& archive, std::size_t faces, std::size_t models, std::uint32_t workers,
+             bool normals = false);
 
   // One pose a face by fb_evaluate_many, face f in pose frame + f of controls (poses x control_count), which begin anew
   // at their end.
   void evaluate(std::size_t frame, std::span<const float> controls, std::uint32_t threads);
+  // The same by one scratch, one after the other; of one model.
+  void evaluate_in_turn(std::size_t frame, std::span<const float> controls);
   std::size_t size() const { return items_.size(); }
 
  private:
-  struct DestroyScratch {
-    void operator()(fb_scratch* scratch) const { fb_scratch_destroy(scratch); }
-  };
+  void set_controls(std::size_t frame, std::span<const float> controls);
 
   std::vector<facebaker::Model> models_;
-  std::vector<std::unique_ptr<fb_scratch, DestroyScratch>> scratches_;
-  std::vector<std::vector<float>> positions_;
+  facebaker::ScratchPool scratches_;
+  std::vector<std::vector<float>> positions_, normals_;
   std::vector<fb_batch_desc> batches_;
   std::vector<fb_many_item> items_;
 };

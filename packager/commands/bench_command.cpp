@@ -103,6 +103,7 @@ void add_bench(Command tool) {
   add_count("--rounds", command->options.rounds, "How often each of them is measured");
   add_count("--batch", command->options.batch, "Poses of a batch");
   add_count("--crowd", command->options.crowd, "Faces of a crowd");
+  add_count("--instances", command->options.instances, "Instances of the face that are posed together, with normals");
   command->rigs.add_to(app);
   app.add_option("--csv", command->csv, "Write the figures to this file too, as comma-separated values");
   command->outputs.add_json_to(app);

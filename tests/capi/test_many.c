@@ -82,6 +82,27 @@ static fb_many_desc describe(void) {
   return desc;
 }
 
+/* The same by one scratch for each kind of face, and no other. */
+enum { kinds_of_faces = 4 };
+static fb_scratch* shared[kinds_of_faces];
+static void make_shared(uint32_t workers) {
+  for (int f = 0; f < kinds_of_faces; ++f)
+    assert_ok((f % 2 ? fb_scratch_create : fb_scratch_create_single)(crowd[f].model, workers, &shared[f]));
+}
+static void free_shared(void) {
+  for (int f = 0; f < kinds_of_faces; ++f) fb_scratch_destroy(shared[f]);
+}
+static fb_many_desc describe_shared(void) {
+  fb_many_desc desc = describe();
+  for (int f = 0; f < faces; ++f) {
+    items[f].model = crowd[f % kinds_of_faces].model;
+    items[f].scratch = NULL;
+  }
+  desc.scratches = shared;
+  desc.scratch_count = kinds_of_faces;
+  return desc;
+}
+
 static void assert_posed(int f) {
   assert_memory_equal(crowd[f].positions, crowd[f].expected, crowd[f].floats * sizeof(float));
   assert_memory_equal(crowd[f].normals, crowd[f].expected_normals, crowd[f].floats * sizeof(float));
@@ -147,6 +168,85 @@ static void a_host_may_schedule_items(void** state) {
   assert_int_equal(failed, faces);
   schedule.again = 0;
   assert_ok(fb_evaluate_many(&desc, &failed));
+}
+
+static void faces_share_scratches(void** state) {
+  (void)state;
+  uint64_t expected[faces], clamped[faces], of_kind[kinds_of_faces] = {0};
+  for (int f = 0; f < faces; ++f) {
+    assert_ok(fb_evaluate_batch(crowd[f].model, crowd[f].scratch, &crowd[f].batch));
+    expected[f] = fb_clamped_count(crowd[f].scratch);
+    of_kind[f % kinds_of_faces] += expected[f];
+  }
+  make_shared(3);
+  for (uint32_t threads = 0; threads <= 3; ++threads) {
+    fb_many_desc desc = describe_shared();
+    desc.threads = threads;
+    desc.clamped = clamped;
+    items[6].scratch = crowd[2].scratch; /* one with a scratch of its own among them */
+    assert_ok(fb_evaluate_many(&desc, NULL));
+    for (int f = 0; f < faces; ++f) assert_posed(f);
+    assert_memory_equal(clamped, expected, sizeof expected);
+    for (int f = 0; f < kinds_of_faces; ++f)
+      assert_int_equal(fb_clamped_count(shared[f]), of_kind[f] - (f == 2 ? expected[6] : 0));
+  }
+  free_shared();
+}
+
+/* Masks of regions and meshes belong to an item, not to the scratch that several threads share. */
+static void items_that_share_a_scratch_have_masks_of_their_own(void** state) {
+  (void)state;
+  make_shared(2);
+  const uint32_t none = 0;
+  fb_many_desc desc = describe_shared();
+  crowd[1].batch.regions = &none;
+  crowd[1].batch.region_count = 0;
+  crowd[5].batch.meshes = &none;
+  crowd[5].batch.mesh_count = 1;
+  const float untouched = 7;
+  assert_ok(fb_evaluate_many(&desc, NULL));
+  const float* positions = crowd[5].positions;
+  size_t written = 0;
+  for (size_t i = 0; i < crowd[5].floats; ++i) written += positions[i] != untouched;
+  assert_true(written > 0 && written < crowd[5].floats);
+  crowd[1].batch.regions = crowd[5].batch.meshes = NULL;
+  crowd[5].batch.mesh_count = 0;
+  for (int f = 0; f < faces; ++f)
+    if (f != 1 && f != 5) assert_posed(f);
+  free_shared();
+}
+
+static void wrong_shared_scratches_are_refused(void** state) {
+  (void)state;
+  make_shared(2);
+  for (int kind = 0; kind < 5; ++kind) {
+    fb_many_desc desc = describe_shared();
+    fb_scratch* given[kinds_of_faces + 1] = {shared[0], shared[1], shared[2], shared[3], NULL};
+    desc.scratches = given;
+    uint32_t failed = 77;
+    const char* message = NULL;
+    if (kind == 0) desc.scratches = NULL, message = "scratches";
+    if (kind == 1) given[2] = NULL, message = "scratch 2 is null";
+    if (kind == 2) desc.threads = 3, message = "3 threads, but its scratches have 2 workers";
+    if (kind == 3) desc.scratch_count = 2, message = "item 2: scratch";
+    if (kind == 4) items[1].model = crowd[1].model, items[1].scratch = shared[1], message = "item 1: scratch is in use";
+    assert_int_equal(fb_evaluate_many(&desc, &failed), FB_ERROR_INVALID_ARGUMENT);
+    assert_non_null(strstr(fb_last_error(), message));
+    assert_int_equal(failed, kind == 3 ? 2 : kind == 4 ? 1 : faces);
+    for (int f = 0; f < faces; ++f) assert_untouched(f);
+    desc = describe_shared();
+    assert_ok(fb_evaluate_many(&desc, NULL)); /* what was taken was given back */
+  }
+  Schedule schedule = {0, 0, 0, 0, 0};
+  fb_many_desc desc = describe_shared();
+  desc.parallel_for = backwards;
+  desc.parallel_user = &schedule;
+  assert_ok(fb_evaluate_many(&desc, NULL));
+  assert_int_equal(schedule.workers, 2);
+  schedule.again = 1;
+  assert_int_equal(fb_evaluate_many(&desc, NULL), FB_ERROR_INVALID_ARGUMENT);
+  assert_non_null(strstr(fb_last_error(), "ran 9 items of 8"));
+  free_shared();
 }
 
 static void the_scheduler_of_a_batch_is_not_asked(void** state) {
@@ -244,6 +344,9 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(many_faces_equal_each_by_itself),
       cmocka_unit_test(a_host_may_schedule_items),
+      cmocka_unit_test(faces_share_scratches),
+      cmocka_unit_test(items_that_share_a_scratch_have_masks_of_their_own),
+      cmocka_unit_test(wrong_shared_scratches_are_refused),
       cmocka_unit_test(the_scheduler_of_a_batch_is_not_asked),
       cmocka_unit_test(clamping_is_counted_by_item),
       cmocka_unit_test(items_that_fail_are_named_and_the_others_posed),

@@ -44,9 +44,9 @@ TEST_CASE("bench times a face beside float networks, and names processor and com
   const std::string figures = text_of(csv);
   for (const char* figure :
        {"positions", "positions, baked order", "positions, halves", "positions and normals", "coefficients", "at rest",
-        "sparse morph targets, floats", "crowd of 8, 1 thread", "crowd of 8, 2 threads", "same model, floats, Eigen",
-        "paper's network, Eigen", "cold: positions", "cold: paper's network, Eigen", "batch of 4: positions",
-        "batch of 4: paper's network, Eigen"}) {
+        "sparse morph targets, floats", "crowd of 8, 1 thread", "crowd of 8, 2 threads", "100 instances, 1 thread",
+        "100 instances in turn", "same model, floats, Eigen", "paper's network, Eigen", "cold: positions",
+        "cold: paper's network, Eigen", "batch of 4: positions", "batch of 4: paper's network, Eigen"}) {
     CHECK_MESSAGE(median_of(figures, figure) > 0, std::string(figure));
     CHECK_MESSAGE(run.out.find(figure) != std::string::npos, std::string(figure));
   }
@@ -95,9 +95,10 @@ TEST_CASE("bench --json has the main figures by name, and all lines") {
   CHECK(line("crowd of 8, 2 threads").at("clock") == "elapsed");
   CHECK(line("positions").at("clock") == "thread");
 
-  const ToolRun printed =
-      run_tool({"bench", archive, "--poses", "5", "--rounds", "2", "--batch", "4", "--crowd", "3", "--json", "-"});
+  const ToolRun printed = run_tool({"bench", archive, "--poses", "5", "--rounds", "2", "--batch", "4", "--crowd", "3",
+                                    "--instances", "7", "--json", "-"});
   CHECK(printed.out.find("crowd of 3, 2 threads") != std::string::npos);
+  CHECK(printed.out.find("7 instances in turn") != std::string::npos);
   CHECK(nlohmann::json::parse(printed.out).at("lines").size() == json.at("lines").size());
   CHECK(run_tool({"bench", archive, "--json", folder / "none/speed.json"}).exit_code != 0);
 }

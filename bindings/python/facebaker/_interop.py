@@ -153,6 +153,8 @@ class fb_many_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("items", POINTER(fb_many_item)), ("item_count", c_uint32),
         ("reserved", c_uint32), ("parallel_for", fb_parallel_for), ("parallel_user", c_void_p),
+        ("scratches", POINTER(c_void_p)), ("scratch_count", c_uint32), ("reserved_scratches", c_uint32),
+        ("clamped", c_void_p),
     ]
 class fb_material_run(Structure):
     _fields_ = [("polygon_count", c_uint32), ("material", c_uint32)]

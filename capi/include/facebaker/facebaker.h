@@ -474,7 +474,8 @@ FB_API fb_status fb_expected_error(const fb_model* model, fb_scratch* scratch, c
 /** One of the faces that fb_evaluate_many poses. Never grows. */
 typedef struct fb_many_item {
   const fb_model* model;      /**< several items may have the same */
-  fb_scratch* scratch;        /**< of that model, and of no other item; one worker is enough */
+  fb_scratch* scratch;        /**< of that model, and of no other item; one worker is enough. Null: that of its model
+                                 among fb_many_desc::scratches, which takes least memory and time */
   const fb_batch_desc* batch; /**< its poses and where they are written; threads, parallel_for and parallel_user are not
                                  read. fb_batch_desc_init must have filled it */
 } fb_many_item;
@@ -488,6 +489,14 @@ typedef struct fb_many_desc {
   uint32_t reserved;            /**< 0 */
   fb_parallel_for parallel_for; /**< as in fb_batch_desc: called once, with item_count tasks */
   void* parallel_user;          /**< passed to parallel_for */
+  fb_scratch* const* scratches; /**< for items without a scratch of their own: one of each of their models, whose worker
+                                   w poses what thread w takes. So each should have as many workers as there are
+                                   threads: threads may not be more, and are not where it is 0. Faces need no memory of
+                                   their own but their outputs. May be null */
+  uint32_t scratch_count;       /**< of scratches */
+  uint32_t reserved_scratches;  /**< 0 */
+  uint64_t* clamped; /**< item_count numbers: how many control values of each item were clamped; 0 of those that failed.
+                        Null: no output */
 } fb_many_desc;
 
 FB_API void fb_many_desc_fill(fb_many_desc* to, uint32_t struct_size);
@@ -496,9 +505,10 @@ static inline void fb_many_desc_init(fb_many_desc* to) {
 }
 
 /** Poses faces of different models, each item on one thread, with the same bits as by fb_evaluate_batch one by one;
- * then fb_clamped_count of each item's scratch is that item's. Threads take items in their order: those that take
- * longest are best first. Fails with FB_ERROR_INVALID_ARGUMENT, before anything is written, where an item lacks model,
- * scratch or batch, or its scratch is of another model, in use by another call or another item's too. Otherwise every
+ * then fb_clamped_count of an item's scratch is that item's, and of one of fb_many_desc::scratches the sum over its
+ * items. Threads take items in their order: those that take longest are best first. Fails with
+ * FB_ERROR_INVALID_ARGUMENT, before anything is written, where an item lacks model, batch or a scratch in either place,
+ * or a scratch is of another model, in use by another call or in the lists twice. Otherwise every
  * item is posed, whether others fail or not; one that fails, as fb_evaluate_batch does, writes nothing, and the error
  * of the first such item is returned. fb_last_error begins with "item I: ". *failed: that item, or item_count where
  * none failed or the error is of no item; may be null. A parallel_for that calls too few, too many or invalid tasks

@@ -102,8 +102,12 @@ class Model {
 /** Working memory of evaluations, one object for each thread; keeps its face loaded. */
 class Scratch {
  public:
-  /** `workers`: threads of a batch at most; see fb_scratch_create. */
-  explicit Scratch(const Model& model, std::uint32_t workers = 1) : model_(model) {
+  /** For single poses, see fb_scratch_create_single; batches have the same bits, in more time. */
+  explicit Scratch(const Model& model) : model_(model) {
+    check(fb_scratch_create_single(model_.get(), 1, &handle_));
+  }
+  /** For batches on `workers` (>= 1) threads at most; see fb_scratch_create. */
+  Scratch(const Model& model, std::uint32_t workers) : model_(model) {
     check(fb_scratch_create(model_.get(), workers, &handle_));
   }
   Scratch(const Scratch&) = delete;
@@ -131,6 +135,40 @@ class Scratch {
 inline void evaluate(const fb_many_desc& many) {
   check(fb_evaluate_many(&many, nullptr));
 }
+
+/** The scratches that all faces of a scene share, one a model, so that a face needs no memory but its outputs. For one
+ * call at a time. */
+class ScratchPool {
+ public:
+  /** `workers` (>= 1): threads of a call at most. */
+  explicit ScratchPool(std::uint32_t workers) : workers_(workers) {}
+  ScratchPool(const ScratchPool&) = delete;
+  ScratchPool& operator=(const ScratchPool&) = delete;
+  ~ScratchPool() {
+    for (fb_scratch* scratch : scratches_) fb_scratch_destroy(scratch);
+  }
+
+  /** Makes room for a model, and keeps it loaded. Once for each. */
+  void add(const Model& model) {
+    scratches_.push_back(nullptr);
+    const fb_status status = fb_scratch_create_single(model.get(), workers_, &scratches_.back());
+    if (status == FB_OK) return;
+    scratches_.pop_back();
+    throw Error(status);
+  }
+  /** Poses items whose scratch is null, each of a model that was added; see fb_evaluate_many. */
+  void evaluate(fb_many_desc many) {
+    many.scratches = scratches_.data();
+    many.scratch_count = static_cast<std::uint32_t>(scratches_.size());
+    facebaker::evaluate(many);
+  }
+  /** For fb_many_desc::scratches. */
+  const std::vector<fb_scratch*>& get() const noexcept { return scratches_; }
+
+ private:
+  std::uint32_t workers_;
+  std::vector<fb_scratch*> scratches_;
+};
 
 }  // namespace facebaker
 
