@@ -105,7 +105,6 @@ void DetailLayout::add_levels(const PackedModel& model, std::span<const std::uin
         point.corners[c] = baked_index.empty() ? v : baked_index[v];
         point.weights[c] = static_cast<float>(codes[c]) / 256;
       }
-      point.nearest = point.corners[static_cast<std::size_t>(std::max_element(codes, codes + 3) - codes)];
     }
   }
 }

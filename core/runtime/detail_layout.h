@@ -25,7 +25,6 @@ struct RegionInputs {
 struct DetailPoint {
   std::array<std::uint32_t, 3> corners;
   std::array<float, 3> weights;
-  std::uint32_t nearest;  // of the corners, that with the largest weight
 };
 
 // A level of detail that is coarser than the whole.

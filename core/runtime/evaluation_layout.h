@@ -66,8 +66,9 @@ struct EvaluationLayout {
   // Floats between the rows of poses in a workspace: one more than rows, because vertices are read as vectors of four.
   std::size_t row_stride() const { return rest_positions.size() + 1; }
   // Of any level of detail.
-  std::size_t max_polygons() const {
-    std::size_t polygons = normals.graph().polygons();
+  std::size_t max_polygons() const { return std::max(normals.graph().polygons(), max_level_polygons()); }
+  std::size_t max_level_polygons() const {
+    std::size_t polygons = 0;
     for (const DetailLevelLayout& level : details.levels)
       polygons = std::max(polygons, level.normals.graph().polygons());
     return polygons;

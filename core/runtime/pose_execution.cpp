@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/feature_values.h"
+#include "runtime/detail_vectors.h"
 
 namespace fb::runtime {
 namespace {
@@ -280,40 +281,44 @@ void PoseExecution::slide(std::size_t pose, float* rows, bool in_workspace) {
                 std::uint8_t(1));
 }
 
-// Vectors of all vertices: those that the level does not have take that of the nearest corner of where they lie.
-const float* PoseExecution::with_missing_vertices(const float* of_level) {
-  if (level_only_) return of_level;
-  const std::uint32_t last_level = layout_.details.levels.back().vertices;
-  float* const all = workspace_.level_vectors_.data();
-  std::copy_n(of_level, 3 * std::size_t(detail_.level->vertices), all);
-  for (std::uint32_t i = detail_.level->vertices; i < layout_.vertex_count(); ++i)
-    std::copy_n(all + 3 * std::size_t(layout_.details.points[i - last_level].nearest), 3, all + 3 * std::size_t(i));
-  return all;
-}
-
 void PoseExecution::write_outputs(std::size_t pose, const float* rows, const PoseOutput& output, bool positions) {
   if (positions && output.positions.first)
     write(rows, VertexOrder::baked, output.positions, output.displacements ? layout_.rest_rows.data() : nullptr);
   if (!output.normals.first && !output.tangents.first) return;
   const std::size_t blocks = layout_.row_blocks.size();
   const std::span<const std::uint8_t> moved = {workspace_.moved_.data() + pose * blocks, blocks};
-  const VertexNormals& normals = detail_.level ? detail_.level->normals : layout_.normals;
-  const VertexTangents& tangents = detail_.level ? detail_.level->tangents : layout_.tangents;
-  // Vectors of the whole are in the source's order, those of levels in baked order.
-  const auto write_vectors = [&](const float* vectors, const VertexOutput& to) {
-    if (!to.first) return;
-    if (detail_.level)
-      write(with_missing_vertices(vectors), VertexOrder::baked, to);
-    else
-      write(vectors, VertexOrder::source, to);
+  const auto compute = [&](const VertexNormals& normals, const VertexTangents& tangents,
+                           PolygonGraph::State& of_normals, std::optional<PolygonGraph::State>& of_tangents) {
+    normals.run(layout_.kernels, rows, moved, of_normals, spread_);
+    if (output.tangents.first)
+      tangents.run(layout_.kernels, rows, moved, normals, of_normals.results.data(), *of_tangents, spread_);
   };
-  normals.run(layout_.kernels, rows, moved, workspace_.normals_, spread_);
-  const float* const computed = workspace_.normals_.results.data();
-  if (output.tangents.first) {
-    tangents.run(layout_.kernels, rows, moved, normals, computed, *workspace_.tangents_, spread_);
-    write_vectors(workspace_.tangents_->results.data(), output.tangents);
+  compute(detail_.level ? detail_.level->normals : layout_.normals,
+          detail_.level ? detail_.level->tangents : layout_.tangents, workspace_.normals_, workspace_.tangents_);
+  if (detail_.level || detail_.next) {
+    if (detail_.next)
+      compute(detail_.next->normals, detail_.next->tangents, *workspace_.next_normals_, workspace_.next_tangents_);
+    return write_detail_vectors(output);
   }
-  write_vectors(computed, output.normals);
+  if (output.tangents.first) write(workspace_.tangents_->results.data(), VertexOrder::source, output.tangents);
+  if (output.normals.first) write(workspace_.normals_.results.data(), VertexOrder::source, output.normals);
+}
+
+// Vectors of the whole are in the source's order, those of levels in baked order.
+void PoseExecution::write_detail_vectors(const PoseOutput& output) {
+  const std::span<const std::uint32_t> order = detail_.level ? std::span<const std::uint32_t>() : layout_.order;
+  const auto blend = [&](const PolygonGraph::State& of_level, const PolygonGraph::State& of_next, const float* normals,
+                         std::pmr::vector<float>& to) {
+    blend_vectors(layout_.details, detail_, {of_level.results.data(), order, of_next.results.data()}, !level_only_,
+                  normals, spread_, to.data());
+  };
+  std::pmr::vector<float>&normals = workspace_.detail_normals_, &tangents = workspace_.detail_tangents_;
+  blend(workspace_.normals_, *workspace_.next_normals_, nullptr, normals);
+  if (output.tangents.first) {
+    blend(*workspace_.tangents_, *workspace_.next_tangents_, normals.data(), tangents);
+    write(tangents.data(), VertexOrder::baked, output.tangents);
+  }
+  if (output.normals.first) write(normals.data(), VertexOrder::baked, output.normals);
 }
 
 // Moves vertices as the driven joints moved.

@@ -102,7 +102,7 @@ class PoseExecution {
   void skin(std::size_t pose, float* rows);
   void write_pose(std::size_t pose, float* rows, const PoseOutput& output, bool attributes, bool positions);
   void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output, bool positions);
-  const float* with_missing_vertices(const float* of_level);
+  void write_detail_vectors(const PoseOutput& output);
   void write(const float* rows, VertexOrder order, const VertexOutput& output, const float* rest = nullptr);
   void write_range(const VertexWriter& writer, VertexRange range) const;
   bool is_plain(const VertexOutput& output, VertexOrder order) const;

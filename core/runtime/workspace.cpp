@@ -28,9 +28,19 @@ Workspace::Workspace(const EvaluationLayout& layout, std::size_t poses, std::pmr
       errors_(layout.errors, memory),
       exact_(layout.exact, poses, memory),
       skin_(layout.skin, memory),
-      level_vectors_(layout.details.levels.empty() ? 0 : layout.row_stride(), &memory) {
-  if (!layout.tangents.signs().empty())
-    tangents_.emplace(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory);
+      detail_normals_(&memory),
+      detail_tangents_(&memory) {
+  const bool has_tangents = !layout.tangents.signs().empty();
+  if (has_tangents) tangents_.emplace(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory);
+  if (!layout.details.levels.empty()) {
+    const DetailLevelLayout& next = layout.details.levels[0];
+    next_normals_.emplace(next.vertices, next.blocks, layout.max_level_polygons(), memory);
+    detail_normals_.resize(layout.row_stride());
+    if (has_tangents) {
+      next_tangents_.emplace(next.vertices, next.blocks, layout.max_level_polygons(), memory);
+      detail_tangents_.resize(layout.row_stride());
+    }
+  }
   for (std::size_t p = 0; p < poses; ++p)
     std::copy_n(layout.rest_rows.begin(), layout.rest_positions.size(), rows_.begin() + p * layout.row_stride());
 }

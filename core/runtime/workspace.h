@@ -60,7 +60,9 @@ class Workspace {
   ErrorPrediction::State errors_;
   ExactBlend::State exact_;
   DrivenSkin::State skin_;
-  std::pmr::vector<float> level_vectors_;  // of a level, spread to all vertices
+  // Of faces with levels of detail: of the polygons of the next level, and blended with it, in baked order.
+  std::optional<PolygonGraph::State> next_normals_, next_tangents_;
+  std::pmr::vector<float> detail_normals_, detail_tangents_;
   std::uint64_t clamped_ = 0;
 };
 

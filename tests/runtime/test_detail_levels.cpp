@@ -236,6 +236,24 @@ std::vector<double> level_normals(const DetailLevel& level, const std::vector<fl
   return sums;
 }
 
+struct Vectors {
+  std::vector<float> normals, tangents;
+};
+
+// Those of one pose in the source's order; `only`: of the vertices of the level alone, in baked order.
+Vectors vectors_at(const Evaluator& face, std::span<const float> pose, float lod, Workspace& workspace,
+                   bool only = false) {
+  Vectors vectors{std::vector<float>(floats), std::vector<float>(floats)};
+  Batch batch{.poses = 1, .controls = pose, .positions = {}};
+  batch.normals = {vectors.normals.data(), floats};
+  batch.tangents = {vectors.tangents.data(), floats};
+  batch.masks.lod = lod;
+  batch.masks.level_only = only;
+  if (only) batch.order = VertexOrder::baked;
+  face.evaluate_batch(batch, {&workspace, 1});
+  return vectors;
+}
+
 TEST_CASE("normals and tangents of a level are those of its polygons") {
   const PackedModel model = levelled_model();
   const Evaluator face(model);
@@ -244,26 +262,114 @@ TEST_CASE("normals and tangents of a level are those of its polygons") {
   for (std::size_t p = 0; p < 5; ++p)
     for (const float lod : {1.0f, 2.0f, 1.25f, 0.5f, 1.0f}) {
       const auto pose = std::span(controls).subspan(p * face.control_count(), face.control_count());
-      std::vector<float> positions(floats), normals(floats), tangents(floats);
-      Batch batch{.poses = 1, .controls = pose, .positions = {positions.data(), floats}};
-      batch.normals = {normals.data(), floats};
-      batch.tangents = {tangents.data(), floats};
-      batch.masks.lod = lod;
-      face.evaluate_batch(batch, {&workspace, 1});
-      CHECK(same_bits(positions, pose_at(face, pose, lod)));
-      const std::size_t k = std::size_t(lod);
+      const std::vector<float> positions = pose_at(face, pose, lod);
+      const auto [normals, tangents] = vectors_at(face, pose, lod, workspace);
+      Workspace fresh(face);
+      CHECK(same_bits(normals, vectors_at(face, pose, lod, fresh).normals));
       for (std::size_t v = 0; v < vertices; ++v) {
         const float *n = &normals[3 * v], *t = &tangents[3 * v];
         CHECK(std::abs(n[0] * t[0] + n[1] * t[1] + n[2] * t[2]) < 1e-4);
+        const double length = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+        if (length != 0) CHECK(length == doctest::Approx(1).epsilon(1e-5));  // 0: of no polygon
       }
-      if (k == 0) continue;
+      const std::size_t k = std::size_t(lod);
+      if (k == 0 || float(k) != lod) continue;
       const std::vector<double> exact = level_normals(model.levels[k - 1], positions);
       for (std::uint32_t i = 0; i < model.levels[k - 1].vertices; ++i)
         for (std::size_t a = 0; a < 3; ++a)
           CHECK(normals[3 * model.order[i] + a] == doctest::Approx(exact[3 * model.order[i] + a]).epsilon(1e-3));
       // Vertex 4, the first that level 1 does not have, lies half way from vertex 3 to 5.
-      CHECK(std::equal(&normals[12], &normals[15], &normals[9]));
+      double sum[3], length = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        sum[a] = normals[9 + a] + normals[15 + a];
+        length += sum[a] * sum[a];
+      }
+      for (std::size_t a = 0; a < 3; ++a)
+        CHECK(normals[12 + a] == doctest::Approx(sum[a] / std::sqrt(length)).epsilon(1e-3));
     }
+}
+
+// Vertices whose vectors at two levels of detail are there, as in this model not all are, and just before each of them
+// do not point away from each other: no blend of those that do is continuous.
+std::vector<std::size_t> alike(const std::vector<float>& fine, const std::vector<float>& coarse,
+                               const std::vector<float>& after_fine, const std::vector<float>& before_coarse) {
+  const auto product = [](const std::vector<float>& a, const std::vector<float>& b, std::size_t v) {
+    return a[3 * v] * b[3 * v] + a[3 * v + 1] * b[3 * v + 1] + a[3 * v + 2] * b[3 * v + 2];
+  };
+  std::vector<std::size_t> found;
+  for (std::size_t v = 0; v < vertices; ++v)
+    if (product(fine, fine, v) > 0 && product(coarse, coarse, v) > 0 && product(after_fine, before_coarse, v) > -0.5f)
+      found.push_back(v);
+  return found;
+}
+
+double distance_at(const std::vector<std::size_t>& chosen, const std::vector<float>& a, const std::vector<float>& b) {
+  double most = 0;
+  for (const std::size_t v : chosen)
+    for (std::size_t i = 3 * v; i < 3 * v + 3; ++i) most = std::max(most, std::abs(double(a[i]) - b[i]));
+  return most;
+}
+
+TEST_CASE("normals and tangents are continuous in the level of detail") {
+  const PackedModel model = levelled_model();
+  const Evaluator face(model);
+  const std::vector<float> controls = poses_of(model, 5, 9);
+  Workspace workspace(face);
+  constexpr float step = 1.0f / 4096;
+  for (std::size_t p = 0; p < 5; ++p) {
+    const auto pose = std::span(controls).subspan(p * face.control_count(), face.control_count());
+    for (int k = 0; k < 2; ++k) {
+      const auto at = [&](float lod) { return vectors_at(face, pose, lod, workspace); };
+      const Vectors fine = at(float(k)), coarse = at(float(k + 1));
+      const Vectors after = at(float(k) + step), close = at(float(k + 1) - step);
+      const std::vector<std::size_t> normals = alike(fine.normals, coarse.normals, after.normals, close.normals);
+      const std::vector<std::size_t> tangents = alike(fine.tangents, coarse.tangents, after.tangents, close.tangents);
+      CHECK(normals.size() >= 20);
+      CHECK(tangents.size() >= 20);
+      Vectors before = fine;
+      for (int parts = 1; parts <= 4096; parts += 63) {
+        // Crossing a level first and last, then by steps in which a blend moves little.
+        const Vectors here = at(float(k) + float(parts) * step);
+        if (parts == 1) CHECK(distance_at(normals, before.normals, here.normals) < 0.003);
+        CHECK(distance_at(normals, before.normals, here.normals) < 0.15);
+        CHECK(distance_at(tangents, before.tangents, here.tangents) < 0.3);
+        before = here;
+      }
+      CHECK(distance_at(normals, close.normals, coarse.normals) < 0.003);
+    }
+  }
+}
+
+TEST_CASE("between levels normals are the blend of what both levels' polygons give") {
+  const PackedModel model = levelled_model();
+  const Evaluator face(model);
+  const std::vector<float> pose = poses_of(model, 1, 9);
+  Workspace workspace(face);
+  DetailLevel whole;
+  whole.polygon_sizes = model.rest.polygon_sizes;
+  whole.polygon_corners = model.rest.polygon_corners;
+  for (const float lod : {0.5f, 1.5f}) {
+    const Vectors all = vectors_at(face, pose, lod, workspace), only = vectors_at(face, pose, lod, workspace, true);
+    const std::size_t k = std::size_t(lod);
+    const std::vector<float> positions = pose_at(face, pose, lod);
+    const std::vector<double> fine = level_normals(k == 0 ? whole : model.levels[k - 1], positions);
+    const std::vector<double> coarse = level_normals(model.levels[k], positions);
+    int checked = 0;
+    for (std::uint32_t i = 0; i < face.level_vertices(k); ++i) {
+      const std::size_t v = 3 * std::size_t(model.order[i]);
+      for (std::size_t a = 0; a < 3; ++a) CHECK(only.normals[3 * i + a] == all.normals[v + a]);
+      double blend[3], length = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        blend[a] = fine[v + a] + coarse[v + a];
+        length += blend[a] * blend[a];
+      }
+      if (i >= face.level_vertices(k + 1) || length < 0.01) continue;
+      ++checked;
+      for (std::size_t a = 0; a < 3; ++a)
+        CHECK(all.normals[v + a] == doctest::Approx(blend[a] / std::sqrt(length)).epsilon(1e-3));
+    }
+    CHECK(checked >= 5);
+  }
 }
 
 TEST_CASE("meshes, sockets and channels go with levels") {
