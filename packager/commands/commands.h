@@ -21,6 +21,7 @@ void add_pose(Command tool);
 void add_solve(Command tool);
 void add_view(Command tool);
 void add_export(Command tool);
+void add_header(Command tool);
 void add_bench(Command tool);
 void add_rig_host(Command tool);
 void add_farm(Command tool);

@@ -109,6 +109,7 @@ int run_commands(int argc, char** argv) {
   add_solve(commands);
   add_view(commands);
   add_export(commands);
+  add_header(commands);
   add_bench(commands);
   add_rig_host(commands);
   add_farm(commands);

@@ -106,6 +106,7 @@ void Workbench::add_writers(const std::string& face, const std::string& clip, co
   commands_.push_back({"plan", {"plan", FB_TOY_RIG, "--out", in_out("planned"), "--poses", "100"}});
   commands_.push_back({"check", {"check", recorded, "--report", in_out("checked")}, {}, true});
   commands_.push_back({"inspect", {"inspect", toy, "--thumbnail", in_out("face.png")}});
+  commands_.push_back({"header", {"header", toy, "--out", in_out("face.h")}});
   commands_.push_back({"manual", {"write-manual", in_out("manual")}});
 }
 
@@ -118,7 +119,7 @@ void Workbench::reset() const {
 
 ToolRun Workbench::run(const Command& command, const ToolSetting& setting) const {
   std::vector<std::string> arguments = command.arguments;
-  constexpr std::array<std::string_view, 4> without_threads = {"pack", "bench", "inspect", "write-manual"};
+  constexpr std::array<std::string_view, 5> without_threads = {"pack", "bench", "inspect", "header", "write-manual"};
   if (std::ranges::find(without_threads, arguments[0]) == without_threads.end())
     arguments.insert(arguments.end(), {"--threads", "1"});
   ToolSetting quiet = setting;

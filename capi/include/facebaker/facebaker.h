@@ -229,8 +229,22 @@ FB_API fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control
 /** Finds a control by its exact name, or else by its ARKit name, or else by its FACS name; on FB_ERROR_NOT_FOUND the
  * message names the closest one. */
 FB_API fb_status fb_find_control(const fb_model* model, const char* name, uint32_t* index);
+/** The hash of a name, for code that would rather hold a number than a text: XXH64 with seed 0 of its bytes without the
+ * closing 0, the same in every version. Null is "". `facebaker header` writes those of a face's controls as constants.
+ */
+FB_API uint64_t fb_name_hash(const char* name);
+/** Finds a control by the hash of its own name. Fails with FB_ERROR_NOT_FOUND. */
+FB_API fb_status fb_find_control_hash(const fb_model* model, uint64_t hash, uint32_t* index);
 /** The controls of the rest pose: fb_control_count floats. */
 FB_API const float* fb_rest_controls(const fb_model* model);
+
+/** Blends two poses as their controls, without posing them: (1 - share) x from + share x to of each, clamped to its
+ * range; exactly `from` at share 0 and `to` at 1 where those are within. Any finite share. to: null is the mirror of
+ * `from`, in which partners (fb_control::mirror) have each other's values, as far on the way from rest to the end of
+ * their range, and other controls keep theirs. All are fb_control_count floats; blended may be `from` or `to`. Fails
+ * with FB_ERROR_NOT_FINITE, naming the control, on NaN; then nothing is written. Thread-safe. */
+FB_API fb_status fb_blend_controls(const fb_model* model, const float* from, const float* to, float share,
+                                   float* blended);
 
 /** The rest mesh in the source's vertex order: 3 x fb_vertex_count floats, xyz interleaved, in fb_units. */
 FB_API const float* fb_rest_positions(const fb_model* model);
@@ -408,9 +422,10 @@ typedef struct fb_batch_desc {
                                     (facebaker_character.h). Positions are continuous in it: between whole numbers, the
                                     vertices that only the finer level has slide to where they lie on the surface of the
                                     coarser one. All vertices are written: those that a level does not have lie on its
-                                    surface, so that polygons of finer levels stay whole. Normals and tangents are of the
-                                    polygons of the level that lod is rounded down to; a vertex that it does not have gets
-                                    those of the nearest corner. Beyond the last level it is that one; a face without levels
+                                    surface, so that polygons of finer levels stay whole. Normals and tangents are
+                                    continuous in it, too: at a whole number they are of the level's polygons, between two
+                                    the blend of both; a vertex that a level does not have has those of the corners around
+                                    it, interpolated. Beyond the last level it is that one; a face without levels
                                     is always whole. Refused below 0. */
   uint32_t level_only; /**< 1: of positions, normals, tangents and bounds only the vertices of the level that lod is
                           rounded down to are written, the first fb_level::vertex_count in baked order, and buffers need

@@ -83,10 +83,20 @@ class Model {
     check(fb_find_control(handle_, std::string(name).c_str(), &index));
     return index;
   }
+  /** The index of a control by the hash of its name; see fb_name_hash and `facebaker header`. */
+  std::uint32_t find_hash(std::uint64_t hash) const {
+    std::uint32_t index = 0;
+    check(fb_find_control_hash(handle_, hash, &index));
+    return index;
+  }
   /** A pose to start from: all controls at rest. */
   std::vector<float> rest_controls() const {
     const float* rest = fb_rest_controls(handle_);
     return std::vector<float>(rest, rest + control_count());
+  }
+  /** Between two poses, or with `to` null between one and its mirror; see fb_blend_controls. */
+  void blend(const float* from, const float* to, float share, float* blended) const {
+    check(fb_blend_controls(handle_, from, to, share, blended));
   }
   /** 3 x vertex_count() floats, owned by the face. */
   const float* rest_positions() const& { return fb_rest_positions(handle_); }
