@@ -7,9 +7,11 @@
 namespace fb::runtime {
 namespace {
 
+// A unit vector, or null where those of the corners are or cancel out: one that is neither would turn all at once where
+// a blend comes near it.
 Vector3 interpolated(const float* vectors, const DetailPoint& point) {
   const auto corner = [&](std::size_t c) { return vector_at(vectors, point.corners[c]) * point.weights[c]; };
-  return (corner(0) + corner(1)) + corner(2);
+  return normalized((corner(0) + corner(1)) + corner(2));
 }
 
 // The unit vector of this direction, perpendicular to a normal that is not null; null where there is none.
