@@ -40,10 +40,11 @@ fb_model* load(const fb_load_desc& desc, Read&& read) {
   std::unique_ptr<fb_model> model;
   std::vector<std::string> notes;
   fb::runtime::with_float_mode([&] {
-    auto budget = std::make_unique<fb::MemoryBudget>(desc.max_model_bytes);
-    fb::archive::Archive archive = read(*budget);
+    // Outlives the archive, whether the model is made or not.
+    const auto memory = std::make_shared<fb::capi::LoadMemory>(desc);
+    fb::archive::Archive archive = read(memory->budget);
     notes = std::move(archive.notes);
-    model = std::make_unique<fb_model>(std::move(archive), desc, std::move(budget));
+    model = std::make_unique<fb_model>(std::move(archive), desc, memory);
   });
   if (desc.log)
     for (const std::string& note : notes) desc.log(desc.log_user, note.c_str());

@@ -14,23 +14,36 @@
 #include "loaded_character.h"
 #include "runtime/evaluator.h"
 
+namespace fb::capi {
+
+// What a call to load takes memory from: the host's, up to a limit.
+struct LoadMemory {
+  explicit LoadMemory(const fb_load_desc& desc) : host(desc.allocator), budget(desc.max_model_bytes, host) {}
+  HostMemory host;
+  MemoryBudget budget;
+};
+
+}  // namespace fb::capi
+
 struct fb_model {
-  // `limit`: what loading may take; the archive is charged to it.
-  fb_model(fb::archive::Archive archive, const fb_load_desc& desc, std::unique_ptr<fb::MemoryBudget> limit)
-      : memory(desc.allocator),
-        budget(std::move(limit)),
-        charged(memory, *budget),
-        evaluator(charge_names(archive.model, *budget), {desc.allocator.allocate ? &charged : nullptr, budget.get()},
+  // `from`: what the archive is charged to.
+  fb_model(fb::archive::Archive archive, const fb_load_desc& desc, std::shared_ptr<fb::capi::LoadMemory> from)
+      : taken(std::move(from)),
+        memory(taken->host),
+        budget(taken->budget),
+        charged(memory, budget),
+        blocks(charged),
+        evaluator(charge_names(archive.model, budget), {desc.allocator.allocate ? &blocks : nullptr, &budget},
                   fb::runtime::choose_kernels(desc.instruction_set)),
         rest_pose(archive.model.schema.rest_pose()),
-        polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &charged),
-        polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &charged),
-        uv_corners(archive.model.rest.uv_corners.begin(), archive.model.rest.uv_corners.end(), &charged),
-        uvs(archive.model.rest.uvs.begin(), archive.model.rest.uvs.end(), &charged),
+        polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &blocks),
+        polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &blocks),
+        uv_corners(archive.model.rest.uv_corners.begin(), archive.model.rest.uv_corners.end(), &blocks),
+        uvs(archive.model.rest.uvs.begin(), archive.model.rest.uvs.end(), &blocks),
         diagonal(archive.model.rest.diagonal()),
         provenance(std::move(archive.model.provenance)),
         error_regions(std::move(archive.model.expected.regions)),
-        character(archive.model, *budget) {
+        character(archive.model, budget) {
     character.use_polygons(archive.model.rest, polygon_sizes.data(), polygon_corners.data(), uv_corners.data());
   }
 
@@ -52,9 +65,11 @@ struct fb_model {
   }
 
   mutable std::atomic<std::uint32_t> references = 1;
-  mutable fb::capi::HostMemory memory;       // of scratches
-  std::unique_ptr<fb::MemoryBudget> budget;  // that the model's own memory is charged to
+  std::shared_ptr<fb::capi::LoadMemory> taken;
+  fb::capi::HostMemory& memory;  // of scratches
+  fb::MemoryBudget& budget;      // that the model's own memory is charged to
   fb::ChargedMemory charged;
+  fb::SmallBlocks blocks;
   fb::runtime::Evaluator evaluator;
   std::vector<float> rest_pose;
   std::pmr::vector<std::uint32_t> polygon_sizes, polygon_corners, uv_corners;

@@ -143,8 +143,8 @@ inline FaceModel tiny_model(std::uint64_t seed = 1) {
 }
 
 // Within -reach..reach.
-inline std::vector<std::int16_t> random_numbers(Random& random, std::size_t count, int reach) {
-  std::vector<std::int16_t> numbers(count);
+inline std::pmr::vector<std::int16_t> random_numbers(Random& random, std::size_t count, int reach) {
+  std::pmr::vector<std::int16_t> numbers(count);
   for (std::int16_t& number : numbers)
     number = static_cast<std::int16_t>(int(random.below(static_cast<std::uint32_t>(2 * reach + 1))) - reach);
   return numbers;
@@ -170,7 +170,7 @@ inline PackedRowBlock random_row_block(Random& random, std::uint32_t first_row, 
     const bool wide = random.uniform() < 0.5f;
     const int largest = wide ? largest_wide : largest_narrow;
     block.columns.push_back({column, wide, reach / float(largest)});
-    const std::vector<std::int16_t> values = random_numbers(random, row_count, largest);
+    const std::pmr::vector<std::int16_t> values = random_numbers(random, row_count, largest);
     block.values.insert(block.values.end(), values.begin(), values.end());
   }
   return block;
@@ -182,7 +182,7 @@ inline void vary_wide_columns(PackedRowBlock& block, Random& random) {
     if (!block.columns[c].wide) continue;
     const int largest = largest_wide >> random.below(8);
     block.columns[c].scale *= float(largest_wide) / float(largest);
-    const std::vector<std::int16_t> values = random_numbers(random, block.row_count, largest);
+    const std::pmr::vector<std::int16_t> values = random_numbers(random, block.row_count, largest);
     std::copy(values.begin(), values.end(), block.values.begin() + static_cast<std::ptrdiff_t>(c * block.row_count));
   }
 }

@@ -2,18 +2,24 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <memory_resource>
 #include <string>
 #include <vector>
 
+#include "base/small_blocks.h"
+
 namespace fb {
 
-// The heap with a limit: for loading untrusted bytes. As a memory resource it charges what it allocates for as long as
-// it is allocated; what comes from elsewhere is charged by take(). Everything fails with `limit` before it exceeds the
-// limit. Not thread-safe.
+// Memory with a limit: for loading untrusted bytes. As a memory resource it charges what it allocates, small blocks by
+// chunks, for as long as it is allocated; what comes from elsewhere is charged by take(). Everything fails with `limit`
+// before it exceeds the limit. Not thread-safe.
 class MemoryBudget final : public std::pmr::memory_resource {
  public:
-  explicit MemoryBudget(std::uint64_t limit = UINT64_MAX) : limit_(limit) {}
+  // `memory`: where it takes from; it must outlive this object and what is made by resize() and reserve().
+  explicit MemoryBudget(std::uint64_t limit = UINT64_MAX,
+                        std::pmr::memory_resource& memory = *std::pmr::new_delete_resource())
+      : memory_(memory), charging_(*this), blocks_(charging_), limit_(limit) {}
   MemoryBudget(const MemoryBudget&) = delete;
   MemoryBudget& operator=(const MemoryBudget&) = delete;
 
@@ -39,19 +45,57 @@ class MemoryBudget final : public std::pmr::memory_resource {
     items.resize(static_cast<std::size_t>(count));
   }
 
+  // The same of a vector that takes memory where this object does.
+  template <class T>
+  void reserve(std::pmr::vector<T>& items, std::uint64_t count, const char* what) {
+    take(count, sizeof(T), what);
+    move_here(items);
+    items.reserve(static_cast<std::size_t>(count));
+  }
+  template <class T>
+  void resize(std::pmr::vector<T>& items, std::uint64_t count, const char* what) {
+    reserve(items, count, what);
+    items.resize(static_cast<std::size_t>(count));
+  }
+
   // Charged memory of another resource.
   void* allocate_from(std::pmr::memory_resource& upstream, std::size_t bytes, std::size_t alignment);
   void return_to(std::pmr::memory_resource& upstream, void* memory, std::size_t bytes, std::size_t alignment);
 
  private:
-  void* do_allocate(std::size_t bytes, std::size_t alignment) override {
-    return allocate_from(*std::pmr::new_delete_resource(), bytes, alignment);
-  }
+  // What chunks and large blocks come from.
+  class Charging final : public std::pmr::memory_resource {
+   public:
+    explicit Charging(MemoryBudget& budget) : budget_(budget) {}
+
+   private:
+    void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+      return budget_.allocate_from(budget_.memory_, bytes, alignment);
+    }
+    void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
+      budget_.return_to(budget_.memory_, memory, bytes, alignment);
+    }
+    bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+
+    MemoryBudget& budget_;
+  };
+
+  void* do_allocate(std::size_t bytes, std::size_t alignment) override { return blocks_.allocate(bytes, alignment); }
   void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
-    return_to(*std::pmr::new_delete_resource(), memory, bytes, alignment);
+    blocks_.deallocate(memory, bytes, alignment);
   }
   bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
 
+  // Makes an empty vector take its memory here: no assignment changes where a vector takes it.
+  template <class T>
+  void move_here(std::pmr::vector<T>& items) {
+    std::destroy_at(&items);
+    std::construct_at(&items, &memory_);
+  }
+
+  std::pmr::memory_resource& memory_;
+  Charging charging_;
+  SmallBlocks blocks_;
   std::uint64_t limit_, used_ = 0, peak_ = 0;
 };
 

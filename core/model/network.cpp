@@ -6,13 +6,13 @@
 namespace fb {
 namespace {
 
-void check_values(const DenseLayer& layer, const char* where) {
-  if (layer.weights.size() != checked_multiply(layer.inputs, layer.outputs, where) ||
+void check_values(const DenseLayer& layer, const LayerPlace& place) {
+  if (layer.weights.size() != checked_multiply(layer.inputs, layer.outputs, place.region) ||
       layer.bias.size() != layer.outputs)
-    fail(Status::bad_data, "%s is %u x %u and has %zu weights, %zu biases", where, layer.outputs, layer.inputs,
-         layer.weights.size(), layer.bias.size());
+    fail(Status::bad_data, "%s is %u x %u and has %zu weights, %zu biases", place.text().c_str(), layer.outputs,
+         layer.inputs, layer.weights.size(), layer.bias.size());
   if (!all_finite(layer.weights) || !all_finite(layer.bias))
-    fail(Status::not_finite, "%s holds a weight that is not finite", where);
+    fail(Status::not_finite, "%s holds a weight that is not finite", place.text().c_str());
 }
 
 }  // namespace

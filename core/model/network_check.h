@@ -23,7 +23,14 @@ void check_direct(const std::vector<std::uint32_t>& direct, const std::vector<Fe
 // positive.
 void check_gate(const Gate& gate, const std::vector<Feature>& features, const char* region);
 
-// Fails, naming region and layer, unless the widths of consecutive layers agree. check_values(layer, where) checks a
+// A layer, for messages.
+struct LayerPlace {
+  const char* region;
+  std::size_t number;
+  std::string text() const { return format("region \"%s\" layer %zu", region, number); }
+};
+
+// Fails, naming region and layer, unless the widths of consecutive layers agree. check_values(layer, place) checks a
 // layer's numbers.
 template <class AnyRegion, class CheckValues>
 void check_regions(const std::vector<AnyRegion>& regions, const std::vector<Feature>& features,
@@ -37,16 +44,17 @@ void check_regions(const std::vector<AnyRegion>& regions, const std::vector<Feat
     std::size_t width = region.features.size();
     for (std::size_t l = 0; l < region.layers.size(); ++l) {
       const auto& layer = region.layers[l];
-      const std::string label = format("region \"%s\" layer %zu", name, l);
-      const char* where = label.c_str();
+      const LayerPlace place = {name, l};
       if (layer.inputs != width)
-        fail(Status::bad_data, "%s takes %u inputs and is given %zu", where, layer.inputs, width);
-      if (layer.outputs == 0) fail(Status::bad_data, "%s has no outputs", where);
+        fail(Status::bad_data, "%s takes %u inputs and is given %zu", place.text().c_str(), layer.inputs, width);
+      if (layer.outputs == 0) fail(Status::bad_data, "%s has no outputs", place.text().c_str());
       if (layer.skip && layer.inputs != layer.outputs)
-        fail(Status::bad_data, "%s skips from %u inputs to %u outputs", where, layer.inputs, layer.outputs);
+        fail(Status::bad_data, "%s skips from %u inputs to %u outputs", place.text().c_str(), layer.inputs,
+             layer.outputs);
       if (layer.activation > Activation::silu)
-        fail(Status::unsupported, "%s has unknown activation %u", where, static_cast<unsigned>(layer.activation));
-      check_values(layer, where);
+        fail(Status::unsupported, "%s has unknown activation %u", place.text().c_str(),
+             static_cast<unsigned>(layer.activation));
+      check_values(layer, place);
       width = layer.outputs;
     }
     check_gate(region.gate, features, name);

@@ -20,17 +20,18 @@ bool all_within(const std::int16_t* values, std::size_t count, int largest) {
   return lowest >= -largest && highest <= largest;
 }
 
-void check_packed_values(const PackedLayer& layer, const char* where) {
-  if (layer.weights.size() != checked_multiply(layer.inputs, layer.outputs, where) ||
+void check_packed_values(const PackedLayer& layer, const LayerPlace& place) {
+  if (layer.weights.size() != checked_multiply(layer.inputs, layer.outputs, place.region) ||
       layer.bias.size() != layer.outputs || layer.scales.size() != layer.outputs)
-    fail(Status::bad_data, "%s is %u x %u and has %zu weights, %zu scales, %zu biases", where, layer.outputs,
-         layer.inputs, layer.weights.size(), layer.scales.size(), layer.bias.size());
+    fail(Status::bad_data, "%s is %u x %u and has %zu weights, %zu scales, %zu biases", place.text().c_str(),
+         layer.outputs, layer.inputs, layer.weights.size(), layer.scales.size(), layer.bias.size());
   if (layer.inputs > max_row_inputs)
-    fail(Status::limit, "%s has %u inputs; at most %u are supported", where, layer.inputs, max_row_inputs);
+    fail(Status::limit, "%s has %u inputs; at most %u are supported", place.text().c_str(), layer.inputs,
+         max_row_inputs);
   if (!all_within(layer.weights.data(), layer.weights.size(), layer.wide ? largest_wide : largest_narrow))
-    fail(Status::bad_data, "%s holds a weight beyond its range", where);
+    fail(Status::bad_data, "%s holds a weight beyond its range", place.text().c_str());
   if (!all_finite(layer.scales) || !all_finite(layer.bias))
-    fail(Status::not_finite, "%s holds a scale or bias that is not finite", where);
+    fail(Status::not_finite, "%s holds a scale or bias that is not finite", place.text().c_str());
 }
 
 void check_row_block(const PackedRowBlock& block, std::size_t index, std::uint32_t columns) {

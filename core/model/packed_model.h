@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,7 @@ struct PackedLayer {
   Activation activation = Activation::linear;
   bool skip = false;
   bool wide = false;                  // 16-bit weights
-  std::vector<std::int16_t> weights;  // outputs x inputs, row-major
+  std::pmr::vector<std::int16_t> weights;  // outputs x inputs, row-major
   std::vector<float> scales, bias;    // outputs
 };
 
@@ -66,8 +67,8 @@ struct PackedColumn {
 // Consecutive rows of the basis that use the same coefficients.
 struct PackedRowBlock {
   std::uint32_t first_row = 0, row_count = 0;
-  std::vector<PackedColumn> columns;  // ascending
-  std::vector<std::int16_t> values;   // column-major: row_count values a column
+  std::pmr::vector<PackedColumn> columns;  // ascending
+  std::pmr::vector<std::int16_t> values;   // column-major: row_count values a column
 };
 
 struct PackedModel {

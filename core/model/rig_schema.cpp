@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory_resource>
 #include <numeric>
 #include <unordered_map>
 #include <unordered_set>
@@ -58,6 +59,7 @@ std::string_view RigSchema::closest(std::string_view misspelt) const {
 
 std::vector<float> RigSchema::rest_pose() const {
   std::vector<float> pose;
+  pose.reserve(controls.size());
   for (const Control& control : controls) pose.push_back(control.rest);
   return pose;
 }
@@ -65,8 +67,9 @@ std::vector<float> RigSchema::rest_pose() const {
 namespace {
 
 // `names`: those of all controls.
-void check_labels(const RigSchema& schema, const std::unordered_map<std::string_view, std::size_t>& names) {
-  std::unordered_set<std::string_view> arkit, facs;
+void check_labels(const RigSchema& schema, const std::pmr::unordered_map<std::string_view, std::size_t>& names,
+                  std::pmr::memory_resource& memory) {
+  std::pmr::unordered_set<std::string_view> arkit(&memory), facs(&memory);
   for (const Control& c : schema.controls) {
     const ControlLabels& labels = c.labels;
     if (!labels.arkit.empty() && !arkit.insert(labels.arkit).second)
@@ -106,14 +109,15 @@ void check(const RigSchema& schema) {
     fail(Status::bad_data, "rig \"%s\": the up axis is \"%s\", not \"y\" or \"z\"", schema.name.c_str(),
          schema.up_axis.c_str());
   if (schema.controls.empty()) fail(Status::bad_data, "rig \"%s\" has no controls", schema.name.c_str());
-  std::unordered_map<std::string_view, std::size_t> names;
+  std::pmr::monotonic_buffer_resource memory;  // a few blocks instead of one a name
+  std::pmr::unordered_map<std::string_view, std::size_t> names(&memory);
   for (const Control& c : schema.controls) {
     if (!names.emplace(c.name, names.size()).second)
       fail(Status::bad_data, "control name \"%s\" occurs twice", c.name.c_str());
     check_range("control", names.size() - 1, c);
   }
-  check_labels(schema, names);
-  std::unordered_set<std::string_view> channels;
+  check_labels(schema, names, memory);
+  std::pmr::unordered_set<std::string_view> channels(&memory);
   for (const Channel& c : schema.channels) {
     if (!channels.insert(c.name).second) fail(Status::bad_data, "channel name \"%s\" occurs twice", c.name.c_str());
     check_range("channel", channels.size() - 1, c);

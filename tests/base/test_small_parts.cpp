@@ -21,6 +21,7 @@
 #include "base/random.h"
 #include "base/sha256.h"
 #include "base/shown_path.h"
+#include "base/small_blocks.h"
 #include "base/status.h"
 #include "base/utf8.h"
 #include "base/visible_text.h"
@@ -287,12 +288,69 @@ TEST_CASE("a budget counts what is in use, and refuses what exceeds it") {
   }
   CHECK(budget.used() == 0);
   CHECK(budget.peak() >= 78000);
+  std::pmr::vector<float> here;
+  budget.resize(here, 100, "here");
+  CHECK(here.size() == 100);
+  budget.give_back(budget.used());
   std::vector<float> kept;
   budget.resize(kept, 1000, "kept");
   budget.take_text(3, "short");
   CHECK(kept.size() == 1000);
   CHECK(budget.used() >= 4000);
   CHECK(budget.used() < 4100);
+}
+
+// Counts what is asked of it.
+class Counted final : public std::pmr::memory_resource {
+ public:
+  std::size_t calls = 0, bytes = 0;
+
+ private:
+  void* do_allocate(std::size_t size, std::size_t alignment) override {
+    ++calls;
+    bytes += size;
+    return std::pmr::new_delete_resource()->allocate(size, alignment);
+  }
+  void do_deallocate(void* memory, std::size_t size, std::size_t alignment) override {
+    bytes -= size;
+    std::pmr::new_delete_resource()->deallocate(memory, size, alignment);
+  }
+  bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+};
+
+TEST_CASE("small blocks come from few chunks, which go back when they are empty") {
+  Counted upstream;
+  SmallBlocks blocks(upstream);
+  struct Block {
+    std::byte* memory;
+    std::size_t size, alignment;
+  };
+  std::vector<Block> held;
+  Random random(3);
+  std::size_t asked = 0, made = 0;
+  for (int round = 0; round < 20000; ++round) {
+    if (held.size() < 500 && random.uniform() < 0.6f) {
+      const std::size_t size = random.below(round % 50 == 0 ? 40000 : 300), alignment = std::size_t(1)
+                                                                                        << random.below(8);
+      auto* const memory = static_cast<std::byte*>(blocks.allocate(size, alignment));
+      CHECK(reinterpret_cast<std::uintptr_t>(memory) % alignment == 0);
+      std::fill_n(memory, size, std::byte(held.size()));
+      held.push_back({memory, size, alignment});
+      asked += size;
+      ++made;
+    } else if (!held.empty()) {
+      const std::size_t i = random.below(static_cast<std::uint32_t>(held.size()));
+      std::swap(held[i], held.back());
+      const Block block = held.back();
+      held.pop_back();
+      for (std::size_t b = 1; b < block.size; ++b) REQUIRE(block.memory[b] == block.memory[0]);
+      blocks.deallocate(block.memory, block.size, block.alignment);
+    }
+  }
+  for (const Block& block : held) blocks.deallocate(block.memory, block.size, block.alignment);
+  CHECK(upstream.bytes == 0);
+  CHECK(made > 9000);
+  CHECK(upstream.calls < made / 4);
 }
 
 }  // namespace fb::test_small_parts

@@ -117,7 +117,7 @@ PackedModel with_vertices(std::uint32_t columns, std::uint32_t rows, std::uint32
   const auto all = static_cast<std::uint32_t>(model.rest.points.size());
   for (std::uint32_t first = 0; first < all; first += block_rows) {
     const std::uint32_t count = std::min(block_rows, all - first);
-    model.row_blocks.push_back({first, count, {{0, false, 0.01f}}, std::vector<std::int16_t>(count, 1)});
+    model.row_blocks.push_back({first, count, {{0, false, 0.01f}}, std::pmr::vector<std::int16_t>(count, 1)});
   }
   return model;
 }
@@ -184,7 +184,7 @@ TEST_CASE("features, regions and weights take no more memory than allowed") {
   check_bounded("features", model);
 
   model = tiny_packed_model();
-  PackedLayer layer{1500, 1500, Activation::linear, false, false, std::vector<std::int16_t>(1500 * 1500), {}, {}};
+  PackedLayer layer{1500, 1500, Activation::linear, false, false, std::pmr::vector<std::int16_t>(1500 * 1500), {}, {}};
   layer.scales.assign(1500, 1);
   layer.bias.assign(1500, 0);
   Random random(1);

@@ -71,8 +71,8 @@ class Dump {
     size(text);
     bytes(text.data(), text.size());
   }
-  template <class Item>
-  void item(std::vector<Item>& values) {
+  template <class Item, class Memory>
+  void item(std::vector<Item, Memory>& values) {
     size(values);
     bytes(values.data(), values.size() * sizeof(Item));
   }
@@ -80,8 +80,8 @@ class Dump {
   void each(Items&... items) {
     (item(items), ...);
   }
-  template <class Item, class Each>
-  void list(std::vector<Item>& items, Each&& each_item) {
+  template <class Item, class Memory, class Each>
+  void list(std::vector<Item, Memory>& items, Each&& each_item) {
     size(items);
     for (Item& i : items) each_item(i);
   }

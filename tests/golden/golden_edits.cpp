@@ -147,7 +147,7 @@ PackedModel many_rotations() {
   model.features = {{Feature::Kind::identity, 0, 1, 0}};
   model.direct = {0};
   model.columns = 1;
-  std::vector<std::int16_t> values(3 * carriers);
+  std::pmr::vector<std::int16_t> values(3 * carriers);
   for (std::size_t n = 0; n < driven.number_count(); ++n) values[n] = std::int16_t(20 + 5 * n);
   values[driven.number_count() - 1] = 0;
   model.row_blocks = {{0, 6, {}, {}}, {6, 3 * carriers, {{0, false, 0.01f}}, values}};

@@ -14,7 +14,7 @@ PackedModel small_network(std::uint32_t inner = 1) {
                        Activation::linear,
                        false,
                        false,
-                       std::vector<std::int16_t>(inputs * outputs, 1),
+                       std::pmr::vector<std::int16_t>(inputs * outputs, 1),
                        std::vector<float>(outputs, 1),
                        std::vector<float>(outputs, 1)};
   };

@@ -29,7 +29,7 @@ PackedModel digit_bases() {
     for (PackedColumn& column : block.columns) {
       const int largest = std::min(largest_narrow * base + (above ? 1 : 0), largest_wide);
       column = {column.column, true, 0.3f / static_cast<float>(largest)};
-      std::vector<std::int16_t> values = random_numbers(random, block.row_count, largest);
+      std::pmr::vector<std::int16_t> values = random_numbers(random, block.row_count, largest);
       values[0] = static_cast<std::int16_t>(above ? -largest : largest);
       block.values.insert(block.values.end(), values.begin(), values.end());
       if (above) base = base == 256 ? 1 : 2 * base;
@@ -91,7 +91,7 @@ PackedModel odd_model(float grid_step) {
   model.features = {{Feature::Kind::identity, 0, 1, 0}};
   model.direct = {0};
   model.columns = 1;
-  model.row_blocks = {{0, rows, {{0, false, 0.01f}}, std::vector<std::int16_t>(rows, 3)}};
+  model.row_blocks = {{0, rows, {{0, false, 0.01f}}, std::pmr::vector<std::int16_t>(rows, 3)}};
   return model;
 }
 

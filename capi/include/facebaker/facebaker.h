@@ -137,8 +137,9 @@ typedef struct fb_load_desc {
   uint64_t max_model_bytes; /**< limit of the memory that the call takes at any time: the file's bytes, unless they
                                are mapped or the caller's, what is unpacked from them, temporaries, names and the model
                                itself; beyond it FB_ERROR_LIMIT; default 4 GiB. Scratches are not part of it. */
-  fb_allocator allocator;   /**< for the blocks of the model (weights, basis, mesh) and its scratches; null functions:
-                               malloc. Names, handles and temporaries of loading use malloc. */
+  fb_allocator allocator;   /**< for the blocks of the model (weights, basis, mesh), its scratches and what loading
+                               takes meanwhile; null functions: malloc. Names, handles, what the decoders of the mesh
+                               take and other small things use malloc: docs/c-and-cpp.md says how much. */
   fb_log log;               /**< null: silent */
   void* log_user;           /**< passed to log */
   const char* instruction_set; /**< for tests: the fastest instruction set to use, from "scalar" on; null: no limit. The

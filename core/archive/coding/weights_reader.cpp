@@ -20,7 +20,7 @@ std::int16_t read_weight(const FrequencyTables& tables, RansStream& in, std::uin
 // Fills `weights`; false if a stream is exhausted. `streams` is copied so that its states stay in registers.
 template <bool wide>
 bool read_layer(const FrequencyTables& tables, RansStreams& streams, std::uint32_t table,
-                std::vector<std::int16_t>& weights) {
+                std::pmr::vector<std::int16_t>& weights) {
   RansStreams local = streams;
   const auto valid = [&] {
     return std::none_of(local.begin(), local.end(), [](const auto& stream) { return stream.exhausted(); });

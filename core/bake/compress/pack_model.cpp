@@ -31,7 +31,8 @@ float magnitude(const float* values, std::size_t count) {
 
 // Appends `count` values as multiples of one scale: the smallest with which they are within -largest..largest, at least
 // `step`. Returns the scale.
-float append_rounded(const float* values, std::size_t count, int largest, float step, std::vector<std::int16_t>& to) {
+float append_rounded(const float* values, std::size_t count, int largest, float step,
+                     std::pmr::vector<std::int16_t>& to) {
   const float most = magnitude(values, count);
   const float scale =
       most < least ? 0 : with_few_bits(std::max(most / static_cast<float>(largest), step), scale_bits, true);

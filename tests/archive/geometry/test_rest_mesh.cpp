@@ -21,7 +21,7 @@ PackedModel model_of(Mesh mesh) {
   model.rest = std::move(mesh);
   const auto rows = static_cast<std::uint32_t>(model.rest.points.size());
   model.order.clear();
-  model.row_blocks = {{0, rows, {{0, false, 0.5f}}, std::vector<std::int16_t>(rows, 1)}};
+  model.row_blocks = {{0, rows, {{0, false, 0.5f}}, std::pmr::vector<std::int16_t>(rows, 1)}};
   return model;
 }
 

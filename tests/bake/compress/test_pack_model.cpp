@@ -50,7 +50,7 @@ double difference(const FaceModel& model, const PackOptions& options) {
 
 // The largest distance of any value of a row of `length` numbers from what stands for it, in steps of the row.
 template <class Scale>
-double worst_step(const std::vector<float>& values, const std::vector<std::int16_t>& packed, std::size_t length,
+double worst_step(const std::vector<float>& values, const std::pmr::vector<std::int16_t>& packed, std::size_t length,
                   Scale&& scale) {
   double worst = 0;
   for (std::size_t i = 0; i < values.size(); ++i)

@@ -121,7 +121,7 @@ TEST_CASE("columns that are active together make good each other's rounding erro
 TEST_CASE("a column is rounded from what the errors before it leave") {
   PackedModel packed;
   packed.columns = 3;
-  packed.row_blocks.push_back({0, 3, {{0, false, 1}, {1, false, 1}, {2, false, 1}}, std::vector<std::int16_t>(9)});
+  packed.row_blocks.push_back({0, 3, {{0, false, 1}, {1, false, 1}, {2, false, 1}}, std::pmr::vector<std::int16_t>(9)});
   // The second coefficient is twice the first, the third never active.
   const RoundingCompensation compensation(packed, std::vector<float>{1, 2, 0, 2, 4, 0, -1, -2, 0}, {}, {});
   REQUIRE(compensation.factors(0, 1).size() == 1);
@@ -137,7 +137,7 @@ TEST_CASE("a column is rounded from what the errors before it leave") {
 TEST_CASE("a column that poses barely use makes good nothing") {
   PackedModel packed;
   packed.columns = 2;
-  packed.row_blocks.push_back({0, 3, {{0, false, 1}, {1, false, 1}}, std::vector<std::int16_t>(6)});
+  packed.row_blocks.push_back({0, 3, {{0, false, 1}, {1, false, 1}}, std::pmr::vector<std::int16_t>(6)});
   // A corrective that is a thousandth of what it may be, in one pose of a hundred.
   std::vector<float> samples;
   for (int pose = 0; pose < 100; ++pose) samples.insert(samples.end(), {0.5f, pose == 0 ? 1e-4f : 0});

@@ -27,7 +27,7 @@ PackedLayer layer(std::uint32_t inputs, std::uint32_t outputs, bool wide) {
   return result;
 }
 
-PackedRowBlock group(std::uint32_t first, std::uint32_t rows, std::vector<PackedColumn> columns) {
+PackedRowBlock group(std::uint32_t first, std::uint32_t rows, std::pmr::vector<PackedColumn> columns) {
   PackedRowBlock result{first, rows, columns, {}};
   result.values.resize(columns.size() * rows);
   return result;
