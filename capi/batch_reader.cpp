@@ -42,9 +42,9 @@ runtime::PoseMasks read_masks(const fb_batch_desc& desc, const ScratchPart& part
 }
 
 // A size or stride, which may be more than 32-bit addresses reach.
-std::size_t size_of(std::uint64_t given) {
+std::size_t size_of(std::uint64_t given, const char* desc = "fb_batch_desc") {
   if (!std::in_range<std::size_t>(given))
-    fail(Status::invalid_argument, "fb_batch_desc: %llu numbers are more than memory can have",
+    fail(Status::invalid_argument, "%s: %llu numbers are more than memory can have", desc,
          static_cast<unsigned long long>(given));
   return static_cast<std::size_t>(given);
 }
@@ -110,6 +110,29 @@ std::uint64_t evaluate_batch(const ScratchPart& part, const fb_batch_desc& batch
   std::uint64_t clamped = 0;
   for (const runtime::Workspace& workspace : workspaces) clamped += workspace.clamped();
   return clamped;
+}
+
+void evaluate_quantised(fb_scratch& scratch, const fb_quantised_desc& given) {
+  constexpr const char* name = "fb_quantised_desc";
+  const auto fill = [](fb_quantised_desc* to) { fill_struct(to, sizeof *to, {}); };
+  const fb_quantised_desc desc = read_struct<fb_quantised_desc>(given, fill, name);
+  const auto sized = [&](std::uint64_t number) { return size_of(number, name); };
+  const auto floats = [&](float* first, std::uint64_t size, std::uint64_t stride) {
+    return first ? runtime::PoseFloats{first, sized(size), sized(stride)} : runtime::PoseFloats{};
+  };
+  if (desc.poses > 0) require(desc.controls, "fb_quantised_desc: controls");
+  runtime::QuantisedBatch batch;
+  batch.poses = sized(desc.poses);
+  batch.controls = {desc.controls, sized(desc.control_floats)};
+  batch.control_stride = sized(desc.control_stride);
+  batch.quantised = desc.quantised;
+  batch.quantised_size = sized(desc.quantised_numbers);
+  batch.quantised_stride = sized(desc.quantised_pose_stride);
+  batch.steps = floats(desc.steps, desc.step_floats, desc.step_pose_stride);
+  batch.exact_weights = floats(desc.exact_weights, desc.exact_weight_floats, desc.exact_weight_pose_stride);
+  batch.joints = floats(desc.joints, desc.joint_floats, desc.joint_pose_stride);
+  scratch.owner.model->evaluator.evaluate_quantised(batch, scratch.workspaces[0]);
+  scratch.clamped = scratch.workspaces[0].clamped();
 }
 
 }  // namespace fb::capi

@@ -16,4 +16,7 @@ fb_batch_desc read_batch_desc(const fb_batch_desc& given);
 // how many control values were clamped.
 std::uint64_t evaluate_batch(const ScratchPart& part, const fb_batch_desc& batch);
 
+// Quantises poses of a caller's description, of any size, likewise.
+void evaluate_quantised(fb_scratch& scratch, const fb_quantised_desc& given);
+
 }  // namespace fb::capi

@@ -167,6 +167,20 @@ fb_status fb_exact_pose_at(const fb_model* model, uint32_t index, fb_exact_pose*
   return copy_at(model, &LoadedCharacter::exact_poses, index, pose, "fb_exact_pose");
 }
 
+fb_status fb_exact_corrections(const fb_model* model, uint32_t index, uint32_t row_block, float* corrections,
+                               uint32_t* corrects) {
+  return abi_guard([&] {
+    require(model, "model");
+    const fb::runtime::ExactBlend& exact = model->evaluator.layout().exact;
+    const auto blocks = model->evaluator.row_blocks();
+    if (index >= exact.count()) fail(Status::invalid_argument, "exact pose %u of %zu", index, exact.count());
+    if (row_block >= blocks.size()) fail(Status::invalid_argument, "row block %u of %zu", row_block, blocks.size());
+    for (std::uint32_t row = 0; corrections && row < blocks[row_block].row_count(); ++row)
+      corrections[row] = exact.correction(index, row_block, row);
+    if (corrects) *corrects = exact.corrects(index, row_block);
+  });
+}
+
 void fb_joint_fill(fb_joint* to, uint32_t struct_size) {
   fb_joint defaults = {};
   defaults.parent = FB_NO_JOINT;

@@ -429,6 +429,24 @@ fb_status fb_evaluate_coefficients(const fb_model* model, fb_scratch* scratch, c
   });
 }
 
+uint32_t fb_digit_column_count(const fb_model* model) {
+  return model ? static_cast<uint32_t>(model->evaluator.digit_column_count()) : 0;
+}
+
+void fb_quantised_desc_fill(fb_quantised_desc* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+fb_status fb_evaluate_quantised(const fb_model* model, fb_scratch* scratch, const fb_quantised_desc* desc) {
+  return abi_guard([&] {
+    require(model, "model");
+    require(scratch, "scratch");
+    require(desc, "desc");
+    const ScratchUse use(scratch, model);
+    fb::capi::evaluate_quantised(*scratch, *desc);
+  });
+}
+
 fb_status fb_expected_error(const fb_model* model, fb_scratch* scratch, const float* controls, float* errors,
                             uint32_t* outside) {
   return abi_guard([&] {

@@ -20,8 +20,9 @@ from read_headers import RUNTIME_HEADERS, Field, HeaderError, Interface, Struct,
 
 # C type -> C# type.
 SCALARS: Dict[str, str] = {
-    "int8_t": "sbyte", "uint8_t": "byte", "uint16_t": "ushort", "int32_t": "int", "uint32_t": "uint", "int64_t": "long",
-    "uint64_t": "ulong", "float": "float", "double": "double", "size_t": "UIntPtr", "char": "byte", "void": "void",
+    "int8_t": "sbyte", "uint8_t": "byte", "int16_t": "short", "uint16_t": "ushort", "int32_t": "int",
+    "uint32_t": "uint", "int64_t": "long", "uint64_t": "ulong", "float": "float", "double": "double", "size_t": "UIntPtr",
+    "char": "byte", "void": "void",
 }
 HANDLES = {"fb_model": "ModelHandle", "fb_scratch": "ScratchHandle", "fb_solver": "SolverHandle"}
 RAW_HANDLES = ("fb_retain", "fb_release", "fb_scratch_destroy", "fb_solver_destroy")  # called with the pointer itself, by the handles

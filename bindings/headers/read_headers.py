@@ -15,8 +15,8 @@ HEADERS = RUNTIME_HEADERS + (  # all, each after those that it includes
 )  # fmt: skip
 # Bytes of the scalar types; size_t has those of a pointer.
 SCALARS: Dict[str, int] = {
-    "int8_t": 1, "uint8_t": 1, "uint16_t": 2, "int32_t": 4, "uint32_t": 4, "int64_t": 8, "uint64_t": 8, "float": 4,
-    "double": 8, "char": 1,
+    "int8_t": 1, "uint8_t": 1, "int16_t": 2, "uint16_t": 2, "int32_t": 4, "uint32_t": 4, "int64_t": 8, "uint64_t": 8,
+    "float": 4, "double": 8, "char": 1,
 }  # fmt: skip
 
 

@@ -99,7 +99,10 @@ def _wrapped(before: str, parts: List[str], after: str) -> List[str]:
         if len(lines[-1]) + len(part) + 2 > WIDTH:
             lines.append(indent + "   ")
         lines[-1] += f" {part},"
-    return lines + [indent + after]
+    if len(lines[-1]) + len(after) > WIDTH:
+        return lines + [indent + after]
+    lines[-1] = lines[-1][:-1] + after
+    return lines
 
 
 def interop_lines() -> List[str]:

@@ -60,6 +60,19 @@ struct Batch {
   // Whether workers share poses where there are more of them than poses, of faces of spread_vertices or more.
   bool spread = false;
 };
+
+// Poses of which a host computes positions by itself, see fb_quantised_desc.
+struct QuantisedBatch {
+  std::size_t poses = 0;
+  std::span<const float> controls;
+  std::size_t control_stride = 0;     // as of Batch
+  std::int16_t* quantised = nullptr;  // null: no output
+  std::size_t quantised_size = 0;     // of the buffer, in numbers
+  std::size_t quantised_stride = 0;   // between poses; 0: Evaluator::digit_column_count()
+  PoseFloats steps = {};              // one a row block of the surface
+  PoseFloats exact_weights = {};      // one an exact pose
+  PoseFloats joints = {};             // as of Batch
+};
 inline constexpr std::size_t spread_vertices = 50'000;
 
 // Evaluates poses of one model. Immutable: any number of threads may evaluate at once, each with its own Workspace.
@@ -128,6 +141,10 @@ class Evaluator {
   // invalid_argument if a buffer is too small, poses overlap or the model has no tangents, with not_finite on NaN,
   // naming pose and control.
   void evaluate_batch(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel = {}) const;
+  // Columns of digits of all row blocks of the surface.
+  std::size_t digit_column_count() const;
+  // Quantised inputs of many poses, one after the other or in blocks. Fails like evaluate_batch.
+  void evaluate_quantised(const QuantisedBatch& batch, Workspace& workspace) const;
   // The first control that is NaN, or control_count().
   std::size_t find_nan(const float* controls) const;
 
@@ -135,6 +152,7 @@ class Evaluator {
   class BatchPoses;
   void evaluate_spread(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel) const;
   void check_batch(const Batch& batch) const;
+  void check_controls(std::span<const float> controls, std::size_t control_stride, std::size_t poses) const;
   void check_errors(const Batch& batch) const;
   std::size_t check_detail(const Batch& batch) const;
   void refuse_nan(const float* controls) const;

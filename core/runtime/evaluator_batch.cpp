@@ -75,11 +75,6 @@ VertexOutput output_of(const Batch& batch, const BatchOutput& output, std::size_
 }  // namespace
 
 void Evaluator::check_batch(const Batch& batch) const {
-  const std::size_t control_stride = batch.control_stride ? batch.control_stride : control_count();
-  const std::size_t needed = extent(batch.poses, control_stride, control_count());
-  if (batch.controls.size() < needed)
-    fail(Status::invalid_argument, "%zu poses need %zu control floats; the buffer has %zu", batch.poses, needed,
-         batch.controls.size());
   const std::size_t vertices = check_detail(batch);
   check_output(batch.positions, "positions", batch.poses, vertex_count(), vertices);
   check_output(batch.normals, "normals", batch.poses, vertex_count(), vertices);
@@ -97,8 +92,17 @@ void Evaluator::check_batch(const Batch& batch) const {
     fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", regions.size(), layout_.networks.size());
   if (!meshes.empty() && meshes.size() != mesh_count())
     fail(Status::invalid_argument, "a mask of %zu meshes for a model of %zu", meshes.size(), mesh_count());
-  for (std::size_t pose = 0; pose < batch.poses; ++pose) {
-    const std::size_t control = find_nan(batch.controls.data() + pose * control_stride);
+  check_controls(batch.controls, batch.control_stride, batch.poses);
+}
+
+void Evaluator::check_controls(std::span<const float> controls, std::size_t control_stride, std::size_t poses) const {
+  const std::size_t stride = control_stride ? control_stride : control_count();
+  const std::size_t needed = extent(poses, stride, control_count());
+  if (controls.size() < needed)
+    fail(Status::invalid_argument, "%zu poses need %zu control floats; the buffer has %zu", poses, needed,
+         controls.size());
+  for (std::size_t pose = 0; pose < poses; ++pose) {
+    const std::size_t control = find_nan(controls.data() + pose * stride);
     if (control < control_count())
       fail(Status::not_finite, "pose %zu: control \"%s\" is not a number", pose,
            schema().controls[control].name.c_str());
@@ -205,6 +209,47 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
     for (std::size_t p = 0; p < poses_per_block; ++p) outputs[p] = poses.output(pose + p);
     execution.run_block(poses.controls(pose), poses.control_stride(), outputs);
     for (std::size_t p = 0; p < poses_per_block; ++p) poses.write_errors(pose + p, workspace);
+  });
+}
+
+std::size_t Evaluator::digit_column_count() const {
+  std::size_t columns = 0;
+  for (const RowBlockMatrix& block : row_blocks()) columns += block.input_count();
+  return columns;
+}
+
+void Evaluator::evaluate_quantised(const QuantisedBatch& batch, Workspace& workspace) const {
+  const std::size_t columns = digit_column_count(), blocks = row_blocks().size();
+  const std::size_t frames = DrivenSkin::frame_floats * joint_count();
+  const std::size_t stride = batch.quantised_stride ? batch.quantised_stride : columns;
+  const std::size_t needed = batch.quantised ? extent(batch.poses, stride, columns) : 0;
+  if (batch.quantised_size < needed)
+    fail(Status::invalid_argument, "%zu poses need %zu quantised coefficients; the buffer has %zu", batch.poses, needed,
+         batch.quantised_size);
+  if (batch.quantised && batch.poses > 1 && stride < columns)
+    fail(Status::invalid_argument, "quantised coefficients of poses overlap: %zu numbers apart, %zu long", stride,
+         columns);
+  check_floats(batch.steps, "row blocks", batch.poses, blocks);
+  check_floats(batch.exact_weights, "exact poses", batch.poses, layout_.exact.count());
+  check_floats(batch.joints, "driven joints", batch.poses, frames);
+  check_controls(batch.controls, batch.control_stride, batch.poses);
+  const std::size_t control_stride = batch.control_stride ? batch.control_stride : control_count();
+  const auto output = [&](std::size_t pose) {
+    return QuantisedOutput{
+        batch.quantised ? batch.quantised + pose * stride : nullptr, floats_of(batch.steps, pose, blocks),
+        floats_of(batch.exact_weights, pose, layout_.exact.count()), floats_of(batch.joints, pose, frames)};
+  };
+  workspace.clamped_ = 0;
+  with_float_mode([&] {
+    PoseExecution execution(layout_, {}, workspace);
+    std::size_t pose = 0;
+    for (; workspace.block_ == poses_per_block && pose + poses_per_block <= batch.poses; pose += poses_per_block) {
+      QuantisedOutput outputs[poses_per_block];
+      for (std::size_t p = 0; p < poses_per_block; ++p) outputs[p] = output(pose + p);
+      execution.run_quantised_block(batch.controls.data() + pose * control_stride, control_stride, outputs);
+    }
+    for (; pose < batch.poses; ++pose)
+      execution.run_quantised(batch.controls.data() + pose * control_stride, output(pose));
   });
 }
 

@@ -70,6 +70,12 @@ void ExactBlend::find_weights(const float* controls, std::size_t pose, State& st
     for (std::uint32_t i = 0; i < found; ++i) weights[i].weight /= sum;
 }
 
+void ExactBlend::write_weights(std::size_t pose, const State& state, float* to) const {
+  if (!to) return;
+  std::fill_n(to, count(), 0.0f);
+  for (const Weight& one : weights(pose, state)) to[one.pose] = one.weight;
+}
+
 void ExactBlend::find_weight_derivatives(const float* controls, State& state, float* derivatives) const {
   const std::size_t count = controls_.size();
   std::fill_n(derivatives, falloffs_.size() * count, 0.0f);

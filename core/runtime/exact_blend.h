@@ -37,6 +37,8 @@ class ExactBlend {
   }
 
   std::size_t count() const { return falloffs_.size(); }
+  // Writes the weights of all exact poses for pose number `pose` of a block, unless `to` is null.
+  void write_weights(std::size_t pose, const State& state, float* to) const;
   // Writes the derivatives of the weights by the controls, those of an exact pose after those of another. Those of a
   // control outside of its range are 0.
   void find_weight_derivatives(const float* controls, State& state, float* derivatives) const;
@@ -44,6 +46,11 @@ class ExactBlend {
   float correction(std::uint32_t pose, std::size_t block, std::uint32_t row) const {
     const std::size_t start = starts_[pose * row_counts_.size() + block];
     return start == none ? 0 : values_[start + row];
+  }
+
+  // Whether any correction of a row block by an exact pose is not 0.
+  bool corrects(std::uint32_t pose, std::size_t block) const {
+    return starts_[pose * row_counts_.size() + block] != none;
   }
 
   // Adds weighted corrections to the rows of a row block. Returns whether there are any.

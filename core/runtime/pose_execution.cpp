@@ -381,18 +381,69 @@ void PoseExecution::run_pose(const float* controls, const PoseOutput& output) {
 }
 
 void PoseExecution::run_block(const float* controls, std::size_t stride, const PoseOutput (&outputs)[poses_per_block]) {
+  if (find_block_features(controls, stride)) return run_features_on<poses_per_block>(outputs);
+  for (std::size_t p = 0; p < poses_per_block; ++p) run_pose(controls + p * stride, outputs[p]);
+}
+
+// Finds what poses_per_block poses are evaluated from. Returns whether they are to be evaluated together: a block
+// evaluates the union of its poses' active features, at about a third of the time a feature. Unless poses share enough
+// features, single poses are faster. See `facebaker bench`, "batch".
+bool PoseExecution::find_block_features(const float* controls, std::size_t stride) {
   const std::uint64_t clamped =
       layout_.features.run(layout_.kernels, controls, stride, poses_per_block, workspace_.features_);
-  // A block evaluates the union of its poses' active features, at about a third of the time a feature: unless poses
-  // share enough features, single poses are faster. See `facebaker bench`, "batch".
-  if (workspace_.features_.active().size() * poses_per_block > 3 * workspace_.features_.nonzero_count()) {
-    for (std::size_t p = 0; p < poses_per_block; ++p) run_pose(controls + p * stride, outputs[p]);
-    return;
-  }
+  if (workspace_.features_.active().size() * poses_per_block > 3 * workspace_.features_.nonzero_count()) return false;
   workspace_.clamped_ += clamped;
   for (std::size_t p = 0; p < poses_per_block; ++p)
     layout_.exact.find_weights(controls + p * stride, p, workspace_.exact_);
-  run_features_on<poses_per_block>(outputs);
+  return true;
+}
+
+// Driven joints are carried by row blocks behind those of the surface, which are multiplied here.
+template <std::size_t poses>
+void PoseExecution::run_quantised_on(const QuantisedOutput* outputs) {
+  with_carriers_ = outputs[0].joints;
+  scatter_features<poses, false>();
+  run_regions<poses>();
+  std::int16_t* const quantised = workspace_.quantised_.data();
+  const std::size_t surface = layout_.surface_blocks();
+  QuantisedInputs inputs;
+  for (std::size_t b = 0, first = 0; b < surface; first += layout_.row_blocks[b++].input_count()) {
+    const RowBlockMatrix& block = layout_.row_blocks[b];
+    quantise_inputs<poses>(b, quantised, inputs);
+    for (std::size_t p = 0; p < poses; ++p) {
+      if (outputs[p].steps) outputs[p].steps[b] = inputs.count > 0 ? inputs.steps[p] : 0;
+      if (!outputs[p].values) continue;
+      std::int16_t* const values = outputs[p].values + first;
+      std::fill_n(values, block.input_count(), std::int16_t(0));
+      for (std::size_t i = 0; i < inputs.count && inputs.steps[p] != 0; ++i)
+        if (const std::int16_t value = quantised[(i / 4 * poses + p) * 4 + i % 4]; value != 0)
+          values[block.input_at(inputs.offsets[i])] = value;
+    }
+  }
+  float* rows[poses];
+  for (std::size_t p = 0; p < poses; ++p) rows[p] = workspace_.rows_.data() + p * layout_.row_stride();
+  for (std::size_t b = surface; with_carriers_ && b < layout_.row_blocks.size(); ++b) {
+    quantise_inputs<poses>(b, quantised, inputs);
+    run_row_block<poses>(b, inputs, {rows, true});
+  }
+  for (std::size_t p = 0; p < poses; ++p) {
+    layout_.exact.write_weights(p, workspace_.exact_, outputs[p].exact_weights);
+    if (!outputs[p].joints) continue;
+    layout_.skin.find_matrices(rows[p], workspace_.skin_);
+    layout_.skin.write_frames(workspace_.skin_, outputs[p].joints);
+  }
+}
+
+void PoseExecution::run_quantised(const float* controls, const QuantisedOutput& output) {
+  workspace_.clamped_ += layout_.features.run(layout_.kernels, controls, 0, 1, workspace_.features_);
+  layout_.exact.find_weights(controls, 0, workspace_.exact_);
+  run_quantised_on<1>(&output);
+}
+
+void PoseExecution::run_quantised_block(const float* controls, std::size_t stride,
+                                        const QuantisedOutput (&outputs)[poses_per_block]) {
+  if (find_block_features(controls, stride)) return run_quantised_on<poses_per_block>(outputs);
+  for (std::size_t p = 0; p < poses_per_block; ++p) run_quantised(controls + p * stride, outputs[p]);
 }
 
 void PoseExecution::run_coefficients(const float* controls, float* coefficients) {

@@ -30,6 +30,14 @@ struct PoseOutput {
   bool all_points = false;  // positions: those that carry numbers, too
 };
 
+// What a host computes positions of one pose from by itself, see fb_quantised_desc. Null: no output.
+struct QuantisedOutput {
+  std::int16_t* values = nullptr;  // by matrix column, row block after row block of the surface
+  float* steps = nullptr;          // one each
+  float* exact_weights = nullptr;  // of exact poses
+  float* joints = nullptr;         // frames of driven joints
+};
+
 // What is left out of poses.
 struct PoseMasks {
   RegionMask regions = {};
@@ -65,10 +73,16 @@ class PoseExecution {
   // poses_per_block poses, whose controls are `stride` floats apart. Their outputs differ in addresses only.
   void run_block(const float* controls, std::size_t stride, const PoseOutput (&outputs)[poses_per_block]);
 
+  // The quantised inputs of the surface's row blocks; of single poses, and of blocks of them like run_block.
+  void run_quantised(const float* controls, const QuantisedOutput& output);
+  void run_quantised_block(const float* controls, std::size_t stride,
+                           const QuantisedOutput (&outputs)[poses_per_block]);
+
   // The coefficients of one pose.
   void run_coefficients(const float* controls, float* coefficients);
 
  private:
+  bool find_block_features(const float* controls, std::size_t stride);
   template <std::size_t poses>
   void run_features_on(const PoseOutput* outputs);
   template <std::size_t poses, bool at_level>
@@ -78,6 +92,8 @@ class PoseExecution {
   template <std::size_t poses>
   void find_gate_values(std::size_t region, float (&gates)[poses]);
   void fade_coefficients(std::size_t region, std::size_t count, std::size_t poses);
+  template <std::size_t poses>
+  void run_quantised_on(const QuantisedOutput* outputs);
   template <std::size_t poses>
   void quantise_inputs(std::size_t block, std::int16_t* to, QuantisedInputs& inputs);
   // Where rows go, and from there positions.

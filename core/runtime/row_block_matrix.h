@@ -45,6 +45,9 @@ class RowBlockMatrix {
   // See PanelMatrix::offset.
   std::uint32_t offset(std::size_t input) const { return digits_.offset(input); }
 
+  // The input at such an offset.
+  std::size_t input_at(std::uint32_t offset) const { return digits_.column_at(offset); }
+
   // Prefetches matrix columns: which ones a pose uses is unpredictable to the hardware.
   void prefetch(const std::uint32_t* offsets, std::size_t count) const {
     for (std::size_t i = 0; i < count; ++i) digits_.prefetch(offsets[i]);

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from ctypes import (
     CFUNCTYPE, POINTER, Structure, c_char_p, c_double, c_float, c_int32, c_int64, c_size_t, c_uint16, c_uint32,
-    c_uint64, c_uint8, c_void_p,
-)
+    c_uint64, c_uint8, c_void_p)
 from typing import Any, Dict, List, Tuple
 
 FB_OK = 0
@@ -115,20 +114,17 @@ class fb_load_desc(Structure):
         ("allocator", fb_allocator), ("log", fb_log), ("log_user", c_void_p), ("instruction_set", c_char_p),
         ("map_file", c_uint32), ("reserved_number", c_uint32), ("max_name_bytes", c_uint64), ("max_vertices", c_uint64),
         ("max_polygons", c_uint64), ("max_features", c_uint64), ("parallel_for", fb_parallel_for),
-        ("parallel_user", c_void_p), ("threads", c_uint32), ("reserved_threads", c_uint32),
-    ]
+        ("parallel_user", c_void_p), ("threads", c_uint32), ("reserved_threads", c_uint32)]
 fb_read = CFUNCTYPE(c_int64, c_void_p, c_void_p, c_uint64)
 class fb_control(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("reserved", c_uint32), ("name", c_char_p), ("group", c_char_p),
         ("minimum", c_float), ("maximum", c_float), ("rest", c_float), ("mirror", c_uint32), ("arkit", c_char_p),
-        ("facs", c_char_p), ("unit", c_char_p),
-    ]
+        ("facs", c_char_p), ("unit", c_char_p)]
 class fb_row_block(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("first_row", c_uint32), ("row_count", c_uint32), ("column_count", c_uint32),
-        ("digit_column_count", c_uint32),
-    ]
+        ("digit_column_count", c_uint32)]
 class fb_batch_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("poses", c_uint64), ("controls", POINTER(c_float)),
@@ -145,8 +141,15 @@ class fb_batch_desc(Structure):
         ("displacements", c_uint32), ("reserved_displacements", c_uint32), ("bounds", c_void_p),
         ("bounds_floats", c_uint64), ("bounds_pose_stride", c_uint64), ("lod", c_float), ("level_only", c_uint32),
         ("joints", c_void_p), ("joint_floats", c_uint64), ("joint_pose_stride", c_uint64), ("unskinned", c_uint32),
-        ("spread", c_uint32),
-    ]
+        ("spread", c_uint32)]
+class fb_quantised_desc(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("reserved", c_uint32), ("poses", c_uint64), ("controls", POINTER(c_float)),
+        ("control_floats", c_uint64), ("control_stride", c_uint64), ("quantised", c_void_p),
+        ("quantised_numbers", c_uint64), ("quantised_pose_stride", c_uint64), ("steps", c_void_p),
+        ("step_floats", c_uint64), ("step_pose_stride", c_uint64), ("exact_weights", c_void_p),
+        ("exact_weight_floats", c_uint64), ("exact_weight_pose_stride", c_uint64), ("joints", c_void_p),
+        ("joint_floats", c_uint64), ("joint_pose_stride", c_uint64)]
 class fb_many_item(Structure):
     _fields_ = [("model", c_void_p), ("scratch", c_void_p), ("batch", POINTER(fb_batch_desc))]
 class fb_many_desc(Structure):
@@ -154,73 +157,61 @@ class fb_many_desc(Structure):
         ("struct_size", c_uint32), ("threads", c_uint32), ("items", POINTER(fb_many_item)), ("item_count", c_uint32),
         ("reserved", c_uint32), ("parallel_for", fb_parallel_for), ("parallel_user", c_void_p),
         ("scratches", POINTER(c_void_p)), ("scratch_count", c_uint32), ("reserved_scratches", c_uint32),
-        ("clamped", c_void_p),
-    ]
+        ("clamped", c_void_p)]
 class fb_material_run(Structure):
     _fields_ = [("polygon_count", c_uint32), ("material", c_uint32)]
 class fb_mesh(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("run_count", c_uint32), ("name", c_char_p), ("runs", POINTER(fb_material_run)),
         ("vertex_count", c_uint32), ("polygon_count", c_uint32), ("first_vertex", c_uint32),
-        ("first_polygon", c_uint32), ("first_corner", c_uint32), ("corner_count", c_uint32),
-    ]
+        ("first_polygon", c_uint32), ("first_corner", c_uint32), ("corner_count", c_uint32)]
 class fb_texture(Structure):
     _fields_ = [("slot", c_uint32), ("image", c_uint32), ("wrap_u", c_uint32), ("wrap_v", c_uint32), ("scale", c_float)]
 class fb_material(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("alpha_mode", c_uint32), ("name", c_char_p), ("base_colour", c_float * 4),
         ("metallic", c_float), ("roughness", c_float), ("emissive", c_float * 3), ("alpha_cutoff", c_float),
-        ("double_sided", c_uint32), ("texture_count", c_uint32), ("textures", POINTER(fb_texture)),
-    ]
+        ("double_sided", c_uint32), ("texture_count", c_uint32), ("textures", POINTER(fb_texture))]
 class fb_image(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("reserved", c_uint32), ("name", c_char_p), ("media_type", c_char_p),
-        ("bytes", c_void_p), ("byte_count", c_uint64),
-    ]
+        ("bytes", c_void_p), ("byte_count", c_uint64)]
 class fb_socket(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("vertex_count", c_uint32), ("name", c_char_p), ("vertices", POINTER(c_uint32)),
-        ("weights", POINTER(c_float)), ("frame", c_float * 12),
-    ]
+        ("weights", POINTER(c_float)), ("frame", c_float * 12)]
 class fb_channel(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("reserved", c_uint32), ("name", c_char_p), ("unit", c_char_p), ("minimum", c_float),
-        ("maximum", c_float), ("rest", c_float),
-    ]
+        ("maximum", c_float), ("rest", c_float)]
 class fb_exact_pose(Structure):
     _fields_ = [
-        ("struct_size", c_uint32), ("control_count", c_uint32), ("name", c_char_p), ("controls", POINTER(c_float)),
-    ]
+        ("struct_size", c_uint32), ("control_count", c_uint32), ("name", c_char_p), ("controls", POINTER(c_float))]
 class fb_joint(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("parent", c_uint32), ("name", c_char_p), ("rest", c_float * 12),
-        ("inverse_bind", c_float * 12),
-    ]
+        ("inverse_bind", c_float * 12)]
 class fb_driven_joint(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("parent", c_uint32), ("name", c_char_p), ("numbers", c_uint32),
-        ("outer_rotations", c_uint32), ("rest", c_float * 12),
-    ]
+        ("outer_rotations", c_uint32), ("rest", c_float * 12)]
 class fb_level(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("vertex_count", c_uint32), ("polygon_count", c_uint32), ("corner_count", c_uint32),
         ("polygon_sizes", POINTER(c_uint32)), ("polygon_corners", POINTER(c_uint32)), ("uv_corners", POINTER(c_uint32)),
-        ("meshes", POINTER(fb_mesh)), ("coefficient_count", c_uint32), ("reserved", c_uint32),
-    ]
+        ("meshes", POINTER(fb_mesh)), ("coefficient_count", c_uint32), ("reserved", c_uint32)]
 class fb_solver_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("point_count", c_uint32), ("point_vertices", POINTER(c_uint32)),
         ("point_weights", POINTER(c_float)), ("pairs", POINTER(c_uint32)), ("pair_count", c_uint32),
         ("socket_count", c_uint32), ("sockets", POINTER(c_uint32)), ("joints", POINTER(c_uint32)),
-        ("joint_count", c_uint32), ("lod", c_float),
-    ]
+        ("joint_count", c_uint32), ("lod", c_float)]
 class fb_jacobian_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("chosen_count", c_uint32), ("controls", POINTER(c_float)),
         ("chosen", POINTER(c_uint32)), ("downwards", POINTER(c_uint8)), ("values", c_void_p), ("derivatives", c_void_p),
         ("derivative_floats", c_uint64), ("column_starts", c_void_p), ("column_rows", c_void_p),
-        ("column_values", c_void_p), ("column_entries", c_uint64),
-    ]
+        ("column_values", c_void_p), ("column_entries", c_uint64)]
 class fb_solve_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("max_iterations", c_uint32), ("points", POINTER(c_float)),
@@ -229,32 +220,27 @@ class fb_solve_desc(Structure):
         ("find_motion", c_uint32), ("to_face", c_float * 12), ("noise", c_float), ("nearness", c_float),
         ("sparsity", c_float), ("smoothness", c_float), ("symmetry", c_float), ("tolerance", c_float),
         ("near_controls", POINTER(c_float)), ("before", POINTER(c_float)), ("movable", POINTER(c_uint8)),
-        ("controls", c_void_p), ("motion", c_void_p), ("decided", c_void_p), ("point_differences", c_void_p),
-    ]
+        ("controls", c_void_p), ("motion", c_void_p), ("decided", c_void_p), ("point_differences", c_void_p)]
 class fb_solve_result(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("iterations", c_uint32), ("converged", c_uint32), ("point_count", c_uint32),
         ("worst_point", c_uint32), ("rms_difference", c_float), ("max_difference", c_float), ("reserved", c_float),
-        ("objective", c_double),
-    ]
+        ("objective", c_double)]
 class fb_rig_control(Structure):
     _fields_ = [
         ("name", c_char_p), ("group", c_char_p), ("minimum", c_float), ("maximum", c_float), ("rest", c_float),
-        ("reserved", c_uint32),
-    ]
+        ("reserved", c_uint32)]
 class fb_rig_labels(Structure):
     _fields_ = [("arkit", c_char_p), ("facs", c_char_p), ("unit", c_char_p), ("mirror", c_char_p)]
 class fb_rig_clip(Structure):
     _fields_ = [
         ("name", c_char_p), ("kind", c_int32), ("split", c_int32), ("fps", c_double), ("frames", c_uint32),
-        ("reserved", c_uint32), ("controls", POINTER(c_float)),
-    ]
+        ("reserved", c_uint32), ("controls", POINTER(c_float))]
 fb_rig_evaluate = CFUNCTYPE(c_int32, c_void_p, c_uint64, c_void_p, c_void_p, c_void_p, c_uint32)
 fb_rig_destroy = CFUNCTYPE(None, c_void_p)
 fb_rig_evaluate_all = CFUNCTYPE(c_int32, c_void_p, c_uint64, c_void_p, c_void_p, c_void_p, c_void_p, c_uint32)
 fb_rig_evaluate_skinned = CFUNCTYPE(
-    c_int32, c_void_p, c_uint64, c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, c_uint32,
-)
+    c_int32, c_void_p, c_uint64, c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, c_uint32)
 class fb_rig(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("abi", c_uint32), ("name", c_char_p), ("units", c_char_p), ("up_axis", c_char_p),
@@ -274,8 +260,7 @@ class fb_rig(Structure):
         ("joint_count", c_uint32), ("joint_stride", c_uint32), ("joints", POINTER(fb_joint)),
         ("skin_influences", c_uint32), ("reserved_skin", c_uint32), ("skin_joints", POINTER(c_uint16)),
         ("skin_weights", POINTER(c_float)), ("evaluate_skinned", fb_rig_evaluate_skinned),
-        ("joint_numbers", POINTER(c_uint32)),
-    ]
+        ("joint_numbers", POINTER(c_uint32))]
 fb_rig_open_function = CFUNCTYPE(c_int32, c_char_p, POINTER(fb_rig), c_void_p, c_uint32)
 fb_callbacks_progress = CFUNCTYPE(c_int32, c_void_p, c_char_p, c_uint64, c_uint64)
 fb_callbacks_note = CFUNCTYPE(None, c_void_p, c_char_p)
@@ -287,8 +272,7 @@ class fb_source_desc(Structure):
         ("callbacks", fb_callbacks), ("workers", c_uint32), ("reserved", c_uint32), ("host", c_char_p),
         ("pose_seconds", c_double), ("clip_budget", c_uint64), ("joints", c_uint32), ("control_joint_count", c_uint32),
         ("control_joints", POINTER(c_char_p)), ("test_poses", c_uint64), ("skip_broken", c_uint32),
-        ("reserved_broken", c_uint32),
-    ]
+        ("reserved_broken", c_uint32)]
 class fb_source_info(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("flags", c_uint32), ("name", c_char_p), ("units", c_char_p), ("up_axis", c_char_p),
@@ -297,26 +281,22 @@ class fb_source_info(Structure):
         ("rest_positions", POINTER(c_float)), ("polygon_sizes", POINTER(c_uint32)),
         ("polygon_corners", POINTER(c_uint32)), ("uvs", POINTER(c_float)), ("uv_corners", POINTER(c_uint32)),
         ("identity", c_char_p), ("channel_count", c_uint32), ("preferred_block", c_uint32), ("number_count", c_uint32),
-        ("reserved_number", c_uint32),
-    ]
+        ("reserved_number", c_uint32)]
 class fb_clip(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("kind", c_int32), ("split", c_int32), ("readable", c_uint32), ("name", c_char_p),
-        ("fps", c_double), ("frames", c_uint64), ("controls", POINTER(c_float)),
-    ]
+        ("fps", c_double), ("frames", c_uint64), ("controls", POINTER(c_float))]
 class fb_pose_block(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("poses", c_uint64), ("controls", POINTER(c_float)),
         ("positions", c_void_p), ("channels", c_void_p), ("answered", c_void_p), ("evaluated", c_uint64),
-        ("failed", c_uint64), ("callbacks", fb_callbacks),
-    ]
+        ("failed", c_uint64), ("callbacks", fb_callbacks)]
 fb_spreader_evaluate = CFUNCTYPE(c_int32, c_void_p, POINTER(fb_pose_block), c_void_p, c_uint32)
 fb_spreader_close = CFUNCTYPE(None, c_void_p)
 class fb_spreader(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("preferred_block", c_uint32), ("user", c_void_p),
-        ("evaluate", fb_spreader_evaluate), ("close", fb_spreader_close),
-    ]
+        ("evaluate", fb_spreader_evaluate), ("close", fb_spreader_close)]
 class fb_archive_info(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("format_version", c_uint32), ("bytes", c_void_p), ("byte_count", c_uint64),
@@ -325,50 +305,41 @@ class fb_archive_info(Structure):
         ("note_count", c_uint32), ("proof_poses", c_uint32), ("proof_vertices", c_uint32), ("vertex_count", c_uint32),
         ("control_count", c_uint32), ("feature_count", c_uint32), ("direct_count", c_uint32),
         ("region_count", c_uint32), ("coefficient_count", c_uint32), ("parameter_count", c_uint64),
-        ("value_count", c_uint64), ("about", c_char_p), ("thumbnail", c_void_p), ("thumbnail_bytes", c_uint64),
-    ]
+        ("value_count", c_uint64), ("about", c_char_p), ("thumbnail", c_void_p), ("thumbnail_bytes", c_uint64)]
 class fb_section(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("reserved", c_uint32), ("name", c_char_p), ("stored_bytes", c_uint64),
-        ("unpacked_bytes", c_uint64),
-    ]
+        ("unpacked_bytes", c_uint64)]
 class fb_region(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("layer_count", c_uint32), ("name", c_char_p), ("inputs", POINTER(c_uint32)),
-        ("input_count", c_uint32), ("gate_count", c_uint32), ("gate_inputs", POINTER(c_uint32)),
-    ]
+        ("input_count", c_uint32), ("gate_count", c_uint32), ("gate_inputs", POINTER(c_uint32))]
 class fb_layer(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("inputs", c_uint32), ("outputs", c_uint32), ("activation", c_int32),
-        ("skip", c_uint32), ("bits", c_uint32),
-    ]
+        ("skip", c_uint32), ("bits", c_uint32)]
 class fb_decompose_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("archive", c_void_p), ("positions", POINTER(c_float)),
-        ("poses", c_uint64), ("joints", c_uint32), ("reserved", c_uint32), ("callbacks", fb_callbacks),
-    ]
+        ("poses", c_uint64), ("joints", c_uint32), ("reserved", c_uint32), ("callbacks", fb_callbacks)]
 class fb_decomposition_info(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("joint_count", c_uint32), ("influences", c_uint32), ("vertex_count", c_uint32),
-        ("centres", POINTER(c_float)), ("joints", POINTER(c_uint16)), ("weights", POINTER(c_float)),
-    ]
+        ("centres", POINTER(c_float)), ("joints", POINTER(c_uint16)), ("weights", POINTER(c_float))]
 class fb_errors(Structure):
     _fields_ = [
         ("frames", c_uint64), ("mse", c_double), ("rms", c_double), ("mean", c_double), ("p99", c_double),
-        ("max", c_double), ("mfm", c_double), ("worst_frame", c_uint64),
-    ]
+        ("max", c_double), ("mfm", c_double), ("worst_frame", c_uint64)]
 class fb_method(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("use", c_int32), ("name", c_char_p), ("archive", c_void_p),
         ("archive_bytes", c_uint64), ("poses", c_uint64), ("parameters", c_uint64), ("coefficients", c_uint64),
         ("rig_calls", c_uint64), ("train_seconds", c_double), ("unseen", fb_errors), ("dependency", fb_errors),
-        ("quantisation", fb_errors), ("clip_count", c_uint32), ("reserved", c_uint32),
-    ]
+        ("quantisation", fb_errors), ("clip_count", c_uint32), ("reserved", c_uint32)]
 class fb_clip_errors(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("kind", c_int32), ("split", c_int32), ("reserved", c_uint32), ("name", c_char_p),
-        ("errors", fb_errors),
-    ]
+        ("errors", fb_errors)]
 class fb_failure(Structure):
     _fields_ = [("struct_size", c_uint32), ("use", c_int32), ("name", c_char_p), ("reason", c_char_p)]
 class fb_sample_desc(Structure):
@@ -377,26 +348,22 @@ class fb_sample_desc(Structure):
         ("poses", c_uint64), ("seed", c_uint64), ("mix", c_char_p), ("rig_budget", c_uint64), ("shots", c_uint32),
         ("clip_count", c_uint32), ("clips", POINTER(fb_rig_clip)), ("clip_stride", c_uint32), ("reserved", c_uint32),
         ("callbacks", fb_callbacks), ("skip_failing", c_uint32), ("example_count", c_uint32),
-        ("examples", POINTER(c_char_p)), ("schema", c_char_p),
-    ]
+        ("examples", POINTER(c_char_p)), ("schema", c_char_p)]
 class fb_sample_result(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("reserved", c_uint32), ("poses", c_uint64), ("evaluated", c_uint64),
-        ("rig_calls", c_uint64), ("asked", c_uint64), ("left_out", c_uint64),
-    ]
+        ("rig_calls", c_uint64), ("asked", c_uint64), ("left_out", c_uint64)]
 class fb_check_desc(Structure):
     _fields_ = [("struct_size", c_uint32), ("threads", c_uint32), ("directory", c_char_p), ("callbacks", fb_callbacks)]
 class fb_check_result(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("bakeable", c_uint32), ("faults", c_uint64), ("warnings", c_uint64),
-        ("poses", c_uint64), ("evaluated", c_uint64),
-    ]
+        ("poses", c_uint64), ("evaluated", c_uint64)]
 class fb_option_info(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("kind", c_int32), ("part", c_int32), ("reserved", c_uint32), ("name", c_char_p),
         ("argument", c_char_p), ("value", c_char_p), ("standard", c_char_p), ("words", c_char_p), ("since", c_char_p),
-        ("help", c_char_p), ("least", c_double), ("most", c_double),
-    ]
+        ("help", c_char_p), ("least", c_double), ("most", c_double)]
 fb_bake_desc_draw_thumbnail = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_uint64, c_void_p, c_void_p, c_void_p, c_uint32)
 class fb_bake_desc(Structure):
     _fields_ = [
@@ -410,39 +377,33 @@ class fb_bake_desc(Structure):
         ("thumbnail_bytes", c_uint64), ("exact", POINTER(c_char_p)), ("exact_count", c_uint32), ("reserved2", c_uint32),
         ("level_share_count", c_uint32), ("level_mesh_count", c_uint32), ("level_shares", POINTER(c_double)),
         ("level_meshes", POINTER(c_char_p)), ("options", POINTER(c_char_p)), ("option_count", c_uint32),
-        ("reserved3", c_uint32), ("draw_thumbnail", fb_bake_desc_draw_thumbnail), ("thumbnail_user", c_void_p),
-    ]
+        ("reserved3", c_uint32), ("draw_thumbnail", fb_bake_desc_draw_thumbnail), ("thumbnail_user", c_void_p)]
 class fb_compare_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("source", c_void_p), ("methods", POINTER(c_char_p)),
         ("method_count", c_uint32), ("epochs", c_uint32), ("poses", c_uint64), ("mix", c_char_p),
         ("rig_budget", c_uint64), ("seed", c_uint64), ("learning_curve", c_uint32), ("reserved", c_uint32),
         ("work", c_char_p), ("callbacks", fb_callbacks), ("options", POINTER(c_char_p)), ("option_count", c_uint32),
-        ("reserved2", c_uint32),
-    ]
+        ("reserved2", c_uint32)]
 class fb_eval_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("archive", c_void_p), ("source", c_void_p),
-        ("split", c_int32), ("measure", c_uint32), ("callbacks", fb_callbacks),
-    ]
+        ("split", c_int32), ("measure", c_uint32), ("callbacks", fb_callbacks)]
 class fb_verify_result(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("reserved", c_uint32), ("bytes", c_uint64), ("poses", c_uint64),
-        ("vertices", c_uint64),
-    ]
+        ("vertices", c_uint64)]
 class fb_pack_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("force", c_uint32), ("path", c_char_p), ("bytes", c_void_p),
         ("byte_count", c_uint64), ("out", c_char_p), ("seed", c_uint64), ("max_bytes", c_uint64),
         ("max_error", c_double), ("licence", c_char_p), ("callbacks", fb_callbacks), ("about", c_char_p),
-        ("thumbnail", c_void_p), ("thumbnail_bytes", c_uint64), ("sockets", c_char_p),
-    ]
+        ("thumbnail", c_void_p), ("thumbnail_bytes", c_uint64), ("sockets", c_char_p)]
 class fb_pack_result(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("within_limits", c_uint32), ("archive", c_void_p), ("archive_bytes", c_uint64),
         ("bytes_before", c_uint64), ("format_before", c_uint32), ("format", c_uint32), ("step_factor", c_double),
-        ("max_error", c_double), ("displacement", fb_errors),
-    ]
+        ("max_error", c_double), ("displacement", fb_errors)]
 
 # The result and the arguments of each.
 FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
@@ -479,6 +440,9 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_evaluate_coefficients": (c_int32, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "fb_clamped_count": (c_uint64, [c_void_p]), "fb_batch_desc_fill": (None, [POINTER(fb_batch_desc), c_uint32]),
     "fb_evaluate_batch": (c_int32, [c_void_p, c_void_p, POINTER(fb_batch_desc)]),
+    "fb_digit_column_count": (c_uint32, [c_void_p]),
+    "fb_quantised_desc_fill": (None, [POINTER(fb_quantised_desc), c_uint32]),
+    "fb_evaluate_quantised": (c_int32, [c_void_p, c_void_p, POINTER(fb_quantised_desc)]),
     "fb_error_region_count": (c_uint32, [c_void_p]), "fb_error_region_name": (c_char_p, [c_void_p, c_uint32]),
     "fb_error_vertex_regions": (POINTER(c_uint32), [c_void_p]),
     "fb_expected_error": (c_int32, [c_void_p, c_void_p, c_void_p, c_void_p, c_void_p]),
@@ -499,6 +463,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_find_channel": (c_int32, [c_void_p, c_char_p, c_void_p]),
     "fb_exact_pose_fill": (None, [POINTER(fb_exact_pose), c_uint32]), "fb_exact_pose_count": (c_uint32, [c_void_p]),
     "fb_exact_pose_at": (c_int32, [c_void_p, c_uint32, POINTER(fb_exact_pose)]),
+    "fb_exact_corrections": (c_int32, [c_void_p, c_uint32, c_uint32, c_void_p, c_void_p]),
     "fb_joint_fill": (None, [POINTER(fb_joint), c_uint32]), "fb_joint_count": (c_uint32, [c_void_p]),
     "fb_joint_at": (c_int32, [c_void_p, c_uint32, POINTER(fb_joint)]),
     "fb_find_joint": (c_int32, [c_void_p, c_char_p, c_void_p]), "fb_skin_influences": (c_uint32, [c_void_p]),
@@ -593,5 +558,4 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_pack_desc_fill": (None, [POINTER(fb_pack_desc), c_uint32]),
     "fb_pack": (c_int32, [POINTER(fb_pack_desc), POINTER(c_void_p)]),
     "fb_pack_result_fill": (None, [POINTER(fb_pack_result), c_uint32]),
-    "fb_report_pack": (c_int32, [c_void_p, POINTER(fb_pack_result)]),
-}
+    "fb_report_pack": (c_int32, [c_void_p, POINTER(fb_pack_result)])}

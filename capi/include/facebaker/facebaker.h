@@ -286,8 +286,9 @@ FB_API const char* fb_region_name(const fb_model* model, uint32_t index);
 /** For hosts whose GPU moves the vertices: displacements are the basis times the coefficients of a pose
  * (fb_evaluate_coefficients). Row 3 i + axis of the basis is coordinate `axis` of vertex i in baked order, in which
  * vertices that use the same coefficients are contiguous. The basis is stored in row blocks, each of which uses some of
- * the coefficients. Such displacements differ from fb_evaluate's by rounding, and are 0 at rest. Of
- * a face with driven joints they are those before the joints move the vertices, see fb_batch_desc::joints. */
+ * the coefficients. Such displacements differ from fb_evaluate's by rounding, and are 0 at rest; "Poses for a GPU" says
+ * how to have the same bits. Of a face with driven joints they are those before the joints move the vertices, see
+ * fb_batch_desc::joints. */
 
 /** Baked order: the source index of each vertex, fb_vertex_count numbers; null if it is the source's order. */
 FB_API const uint32_t* fb_vertex_order(const fb_model* model);
@@ -458,6 +459,57 @@ static inline void fb_batch_desc_init(fb_batch_desc* to) {
  * need no buffers. A parallel_for that calls too few, too many or invalid tasks fails with FB_ERROR_INVALID_ARGUMENT
  * afterwards. */
 FB_API fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc);
+
+/* ---- Poses for a GPU ----------------------------------------------------------------------------------------------
+ */
+/* For hosts whose GPU is to give fb_evaluate's very bits. Coefficients are quantised to whole numbers, those that a row
+ * block uses with one step, so that the sums of the basis are whole numbers within 32 bits, the same in whatever order
+ * they are taken. Of row r of the row block b (fb_row_block_digits) the position in a pose is
+ *
+ *     the rest position                                                                            if steps[b] is 0
+ *     the rest position + steps[b] * f32(sum over its columns c of quantised[c] * digits[c][r])    otherwise
+ *
+ * and then, for each exact pose e in order whose weight is not 0 and which corrects the row block
+ * (fb_exact_corrections), position + exact_weights[e] * corrections[r]. All of these are floats, each operation
+ * rounded to the nearest, never fused, with denormals kept. A displacement is the position less the rest position.
+ * Driven joints then move the vertices: docs/characters.md. */
+
+/** Digit columns of all row blocks together: the sum of their fb_row_block::digit_column_count. Null model: 0. */
+FB_API uint32_t fb_digit_column_count(const fb_model* model);
+
+/** Poses to be quantised and where that is written. */
+typedef struct fb_quantised_desc {
+  uint32_t struct_size;
+  uint32_t reserved;       /**< 0 */
+  uint64_t poses;          /**< may be 0 */
+  const float* controls;   /**< as in fb_batch_desc */
+  uint64_t control_floats; /**< size of that buffer, in floats */
+  uint64_t control_stride; /**< in floats; 0: fb_control_count */
+  int16_t* quantised;      /**< of each pose, the quantised coefficient of each digit column, row block after row block:
+                              -32,512 to 32,512, 0 where the column moves nothing. Null: no output */
+  uint64_t quantised_numbers;        /**< size of that buffer, in numbers */
+  uint64_t quantised_pose_stride;    /**< in numbers; 0: fb_digit_column_count */
+  float* steps;                      /**< of each pose, the step of each row block; 0: it is at rest. Null: no output */
+  uint64_t step_floats;              /**< size of that buffer, in floats */
+  uint64_t step_pose_stride;         /**< in floats; 0: fb_row_block_count */
+  float* exact_weights;              /**< of each pose, the weight of each exact pose (facebaker_character.h), 0 to 1.
+                                        Refused for a face without exact poses. Null: no output */
+  uint64_t exact_weight_floats;      /**< size of that buffer, in floats */
+  uint64_t exact_weight_pose_stride; /**< in floats; 0: fb_exact_pose_count */
+  float* joints;                     /**< frames of the driven joints, as in fb_batch_desc. Null: no output */
+  uint64_t joint_floats;             /**< size of that buffer, in floats */
+  uint64_t joint_pose_stride;        /**< in floats; 0: 12 * fb_driven_joint_count */
+} fb_quantised_desc;
+
+FB_API void fb_quantised_desc_fill(fb_quantised_desc* to, uint32_t struct_size);
+static inline void fb_quantised_desc_init(fb_quantised_desc* to) {
+  fb_quantised_desc_fill(to, (uint32_t)sizeof *to);
+}
+
+/** Quantises the coefficients of many poses of the whole, level of detail 0, on the calling thread, in less time than
+ * evaluating them takes. The same bits on every machine, for any batch and strides. Fails as fb_evaluate_batch does,
+ * before anything is written, on buffers too small, overlapping poses and NaN. Allocates nothing unless it fails. */
+FB_API fb_status fb_evaluate_quantised(const fb_model* model, fb_scratch* scratch, const fb_quantised_desc* desc);
 
 /* ---- Expected errors ----------------------------------------------------------------------------------------------
  */

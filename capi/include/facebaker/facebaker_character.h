@@ -199,6 +199,12 @@ static inline void fb_exact_pose_init(fb_exact_pose* to) {
 FB_API uint32_t fb_exact_pose_count(const fb_model* model);
 /** Fills *pose, up to its struct_size, for index < fb_exact_pose_count. */
 FB_API fb_status fb_exact_pose_at(const fb_model* model, uint32_t index, fb_exact_pose* pose);
+/** Writes by how much the exact pose at `index` corrects the rows of a row block (fb_row_block_at) at a weight of 1,
+ * fb_row_block::row_count floats, for hosts that pose by themselves (fb_evaluate_quantised). *corrects: 1, or 0 where
+ * it leaves the row block alone, and then every correction is 0. Either may be null. Fails with
+ * FB_ERROR_INVALID_ARGUMENT for an index of none. Thread-safe. */
+FB_API fb_status fb_exact_corrections(const fb_model* model, uint32_t index, uint32_t row_block, float* corrections,
+                                      uint32_t* corrects);
 /* ---- Joints and skin --------------------------------------------------------------------------------------------- */
 
 #define FB_NO_JOINT 0xffffffffu /**< in fb_joint::parent: it has none */
