@@ -5,7 +5,8 @@ import { fetchBytes, type FetchOptions, type Source } from "./fetch_bytes.js";
 import { instanceOf, type WasmSource } from "./instance.js";
 import { heapOf } from "./heap.js";
 import { loadArchive, needMemory, type LoadLimits } from "./load_archive.js";
-import { readRowBlocks, type RowBlock } from "./row_blocks.js";
+import type { QuantisedOutputs } from "./quantised_poses.js";
+import { readExactCorrections, readRowBlocks, type RowBlock } from "./row_blocks.js";
 import { invalidArgument } from "./errors.js";
 
 export interface LoadOptions extends FetchOptions {
@@ -85,6 +86,12 @@ export class Face implements FaceContents {
     return this.part("rowBlocks", () => readRowBlocks(this.model.heap, this.model.pointer));
   }
 
+  /** By exact pose and row block: what its rows are corrected by at a weight of 1; null where it leaves them alone. */
+  get exactCorrections(): readonly (readonly (Float32Array | null)[])[] {
+    const rows = () => this.rowBlocks.map(({ rowCount }) => rowCount);
+    return this.part("exactCorrections", () => readExactCorrections(this.model.heap, this.model.pointer, rows()));
+  }
+
   /** All of the contents, as a plain object that can be sent to another thread. */
   contents(): FaceContents {
     const { name, units, upAxis, diagonal, vertexCount, controlCount, coefficientCount, controls, meshes, uvs,
@@ -149,6 +156,13 @@ export class Face implements FaceContents {
                coefficients: Float32Array = new Float32Array(this.coefficientCount)): Float32Array {
     this.model.evaluateCoefficients(controls, coefficients);
     return coefficients;
+  }
+
+  /** The quantised coefficients of `count` poses, for a GPU that is to give the very bits of `evaluate`: see "Poses for a
+   * GPU" in facebaker.h, and `GpuEvaluator` of "facebaker/webgpu", which does so. */
+  quantise<Wanted extends QuantisedOutputs>(controls: Float32Array, count: number, outputs: Wanted): Wanted {
+    this.model.quantise(controls, count, outputs);
+    return outputs;
   }
 
   /** How far vertices are expected to be from where the rig has them. Throws if the face has no expected errors. */

@@ -2,6 +2,7 @@
 import { invalidArgument } from "./errors.js";
 import type { Heap } from "./heap.js";
 import type { Exports } from "./instance.js";
+import { Quantiser, type QuantisedOutputs } from "./quantised_poses.js";
 import { Staging } from "./staging.js";
 
 export interface EvaluateOptions {
@@ -78,6 +79,7 @@ export class Model {
   private readonly meshList: Staging;
   private readonly regionList: Staging;
   private readonly outputs: Record<ArrayName, Staging>;
+  private readonly quantiser: Quantiser;
 
   /** Takes ownership of the model at an address. */
   constructor(readonly heap: Heap, private address: number) {
@@ -99,6 +101,7 @@ export class Model {
     this.meshList = new Staging(heap);
     this.regionList = new Staging(heap);
     this.outputs = Object.fromEntries(names.map((name) => [name, new Staging(heap)])) as Record<ArrayName, Staging>;
+    this.quantiser = new Quantiser(heap, address, this.controlCount);
     try {
       this.desc = heap.allocate(heap.size("fb_batch_desc"));
       heap.check("fb_scratch_create", address, 1, this.desc);
@@ -142,6 +145,11 @@ export class Model {
     this.putControls(controls, 1);
     this.heap.check("fb_evaluate_coefficients", model, this.scratch, this.controls.address, this.coefficients.address);
     coefficients.set(this.coefficients.floats(this.coefficientCount));
+  }
+
+  /** Quantises `count` poses. */
+  quantise(controls: Float32Array, count: number, outputs: QuantisedOutputs): void {
+    this.quantiser.quantise(this.pointer, this.scratch, controls, count, outputs);
   }
 
   expectedError(controls: Float32Array, errors: Float32Array): number {
@@ -236,6 +244,7 @@ export class Model {
     for (const staging of [this.controls, this.coefficients, this.meshList, this.regionList,
                            ...Object.values(this.outputs)])
       staging.release();
+    this.quantiser.release();
     if (this.desc) heap.release(this.desc);
     if (this.scratch) heap.call("fb_scratch_destroy", this.scratch);
     if (this.address) heap.call("fb_release", this.address);

@@ -34,3 +34,17 @@ export function readRowBlocks(heap: Heap, model: number): RowBlock[] {
   }
   return blocks;
 }
+
+/** By exact pose and row block, `rowCounts` of which are given. */
+export function readExactCorrections(heap: Heap, model: number, rowCounts: readonly number[]): (Float32Array | null)[][] {
+  const count = heap.call("fb_exact_pose_count", model);
+  const address = heap.allocate(4 + 4 * rowCounts.reduce((most, rows) => Math.max(most, rows), 0));
+  try {
+    return Array.from({ length: count }, (_, exact) => rowCounts.map((rows, block) => {
+      heap.check("fb_exact_corrections", model, exact, block, address + 4, address);
+      return heap.u32[address >>> 2] ? heap.copyF32(address + 4, rows) : null;
+    }));
+  } finally {
+    heap.release(address);
+  }
+}
