@@ -3,6 +3,7 @@ import { FaceBakerError, hasSimd, load } from "facebaker";
 import { load as loadInWorker } from "facebaker/worker";
 import { readExpectedPoses } from "../expected_poses.js";
 import { checkSameBits } from "../same_bits_checks.js";
+import { evaluateOnGpu } from "./gpu_evaluator_page.js";
 import { drawOnGpu } from "./gpu_page.js";
 
 const expectedOf = async (dump: string) => readExpectedPoses(await (await fetch(dump)).arrayBuffer());
@@ -65,4 +66,4 @@ async function time(archive: string, dump: string): Promise<Record<"all" | "fift
   return result;
 }
 
-Object.assign(globalThis, { facebakerTests: { sameBits, inWorker, refuses, time, drawOnGpu, hasSimd } });
+Object.assign(globalThis, { facebakerTests: { sameBits, inWorker, refuses, time, drawOnGpu, evaluateOnGpu, hasSimd } });

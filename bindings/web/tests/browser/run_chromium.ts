@@ -43,6 +43,12 @@ try {
       assert(name !== "body" || gpu.bones > 0, "no bones are turned");
       assert(name !== "driven" || gpu.moved > 0.05, `joints move vertices by ${gpu.moved} of the diagonal`);
     }
+  const exact = faces.find(({ name }) => name === "exact-poses")!;
+  for (const { name, archive, dump } of new Set([character, driven, exact, faces.at(-1)!])) {
+    const { said, skinned } = await call<{ said: string; skinned: number }>("evaluateOnGpu", archive, dump, 20);
+    console.log(`${name} by WebGPU: ${said}: the same bits; skinned within ${skinned} of the diagonal`);
+    assert(skinned < 1e-5);
+  }
   assert.deepEqual(errors.filter((text) => !text.includes("404")), []);
 } finally {
   await close();

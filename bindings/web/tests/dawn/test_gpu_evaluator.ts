@@ -8,6 +8,7 @@ import { load, type Face } from "facebaker";
 import { GpuEvaluator } from "facebaker/webgpu";
 import { checkGpuEvaluator, countDifferent, drawPoses, readBuffer } from "../gpu_evaluator_checks.js";
 import { checkArithmetic } from "../shader_arithmetic_checks.js";
+import { checkVertexBuffer } from "../vertex_buffer_checks.js";
 
 const archives = (process.env["FB_ARCHIVES"] ?? "").split(" ").filter(Boolean);
 assert(archives.length > 0, "FB_ARCHIVES names no archives");
@@ -51,6 +52,10 @@ for (const archive of archives)
         assert(far < 1e-5, `joints move vertices ${far} of the diagonal elsewhere`);
       }
   }));
+
+test("a vertex shader gets the processor's bits", () => withFace(archiveOf("driven"), async (face) => {
+  assert.equal(await checkVertexBuffer(device, face), face.vertexCount);
+}));
 
 test("limits of a device are kept within", () => withFace(archiveOf("driven"), async (face) => {
   const controls = drawPoses(face, poses), bytes = 12 * face.vertexCount;

@@ -4,9 +4,10 @@ import { load as loadInWorker, type WorkerFace } from "facebaker/worker";
 import { loadSolver, type Solver } from "facebaker/solver";
 import { renderMeshes } from "facebaker/geometry";
 import { FaceBakerMesh } from "facebaker/three";
+import type { GpuEvaluator } from "facebaker/webgpu";
 import type { FaceBakerNodeMesh } from "facebaker/three-webgpu";
 
-export type Gpu = FaceBakerNodeMesh;
+export type Gpu = FaceBakerNodeMesh | GpuEvaluator;
 
 export async function run(path: string): Promise<string> {
   const face: Face = await load(path), far: WorkerFace = await loadInWorker(path);
