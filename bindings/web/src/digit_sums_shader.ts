@@ -6,7 +6,7 @@ import { quadWords } from "./packed_digits.js";
 export const posesOfOctet = 8;
 /** Threads of a workgroup: the triples of a panel, or vertices. */
 export const workgroupSize = 64;
-/** Words of a panel in \`basis\`: its first row, its rows, its row block, its first header. */
+/** Words of a panel in `basis`: its first row, its rows, its row block, its first header. */
 export const panelWords = 4;
 
 /** Of a dispatch, each a word. Octets are eight poses of a chunk, one after the other. `basis` begins with the panels,
@@ -48,9 +48,12 @@ fn products_of(digits: vec3<u32>, low: u32, high: u32) -> vec3<i32> {
 }
 `;
 
+const addProducts = (pose: number): string =>
+  `    sums${pose} += products_of(digits, low[${pose >> 2}][${pose % 4}], high[${pose >> 2}][${pose % 4}]);`;
+
 /** Sums of the digits of the basis times quantised coefficients, and the positions that come of them. */
-export const digitSumsShader = (integerDot: boolean): string => `${integerDot ? "requires packed_4x8_integer_dot_product;" : ""}
-${parameters}
+export const digitSumsShader = (integerDot: boolean): string => `
+${integerDot ? "requires packed_4x8_integer_dot_product;" : ""}${parameters}
 @group(0) @binding(1) var<storage, read> basis: array<u32>;
 @group(0) @binding(2) var<storage, read> rest: array<u32>;
 @group(0) @binding(3) var<storage, read> lists: array<u32>;
@@ -59,7 +62,8 @@ ${parameters}
 ${exactArithmetic}${integerDot ? packedProducts : unpackedProducts}
 // Words of the digits of these widths.
 fn words_of(widths: u32) -> u32 {
-  return countOneBits(widths & 0x555555u) + 2u * countOneBits(widths & 0xaaaaaau) + countOneBits(widths & (widths >> 1u) & 0x555555u);
+  return countOneBits(widths & 0x555555u) + 2u * countOneBits(widths & 0xaaaaaau)
+       + countOneBits(widths & (widths >> 1u) & 0x555555u); // 3 stands for four words
 }
 
 // The digits of a triple in a quad, a byte a column.
@@ -119,7 +123,7 @@ ${octet.map((pose) => `  var sums${pose} = vec3(0);`).join("\n")}
     let digits = digits_of(headers + ${quadWords}u * lists[parameters.quads + at], triple);
     let low = array(factors[4u * at], factors[4u * at + 1u]);
     let high = array(factors[4u * at + 2u], factors[4u * at + 3u]);
-${octet.map((pose) => `    sums${pose} += products_of(digits, low[${pose >> 2}][${pose % 4}], high[${pose >> 2}][${pose % 4}]);`).join("\n")}
+${octet.map(addProducts).join("\n")}
   }
   let own = triple * 24u;
 ${octet.flatMap((pose) => axes.map((axis) => `  kept[own + ${3 * pose + axis}u] = sums${pose}[${axis}];`)).join("\n")}

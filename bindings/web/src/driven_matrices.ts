@@ -18,10 +18,16 @@ export function inverseOf(m: Numbers): number[] {
   return inverse;
 }
 
-/** Replaces the frame at `first` of `frames` by the frame times `inverse`, less the identity. */
-export function writeChange(frames: Float32Array, inverse: Numbers, first: number): void {
+/** Replaces the frame at `first` of `frames` by the frame times the inverse of that at rest, less the identity: 0 of one
+ * that is where it is at rest. */
+export function writeChange(frames: Float32Array, rest: Numbers, inverse: Numbers, first: number): void {
+  const frame = frames.slice(first, first + 12);
+  if (frame.every((number, i) => number === rest[i])) {
+    frames.fill(0, first, first + 12);
+    return;
+  }
   for (let row = 0; row < 3; ++row) {
-    const [x, y, z, origin] = frames.subarray(first + 4 * row, first + 4 * row + 4) as unknown as [number, number, number, number];
+    const [x, y, z, origin] = [0, 1, 2, 3].map((column) => frame[4 * row + column]!) as [number, number, number, number];
     for (let column = 0; column < 4; ++column)
       frames[first + 4 * row + column] = x * inverse[column]! + y * inverse[4 + column]! + z * inverse[8 + column]! +
                                          (column === 3 ? origin : row === column ? -1 : 0);

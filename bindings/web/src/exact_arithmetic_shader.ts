@@ -51,7 +51,7 @@ fn multiplied(a: u32, b: u32) -> u32 {
   let rest = select(0u, 1u, (below & 0xffffu) != 0u);
   let exponent = i32(p.x + q.x) - 126;
   if ((top & 0x80000000u) != 0u) { return rounded(sign, exponent, top | rest); }
-  return rounded(sign, exponent - 1, (top << 1u) | ((below >> 15u) & 1u) | rest);
+  return rounded(sign, exponent - 1, (top << 1u) | rest);
 }
 
 fn added(a: u32, b: u32) -> u32 {

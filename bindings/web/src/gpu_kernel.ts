@@ -27,7 +27,7 @@ export class GpuArrays {
   constructor(readonly device: GPUDevice, lower: Partial<GpuLimits> = {}) {
     const least = (name: keyof GpuLimits) => Math.min(device.limits[name], lower[name] ?? Infinity);
     this.limits = { maxComputeWorkgroupsPerDimension: least("maxComputeWorkgroupsPerDimension"),
-                    maxStorageBufferBindingSize: least("maxStorageBufferBindingSize"),
+                    maxStorageBufferBindingSize: Math.min(least("maxStorageBufferBindingSize"), device.limits.maxBufferSize),
                     alignment: device.limits.minStorageBufferOffsetAlignment };
   }
 
@@ -38,7 +38,7 @@ export class GpuArrays {
 
   /** An array that stays. `what`: "basis". */
   upload(what: string, words: Uint32Array): GPUBuffer {
-    const most = Math.min(this.limits.maxStorageBufferBindingSize, this.device.limits.maxBufferSize);
+    const most = this.limits.maxStorageBufferBindingSize;
     if (words.byteLength > most)
       throw new RangeError(`the ${what} takes ${words.byteLength} bytes; this device binds at most ${most}`);
     const buffer = this.create(words.byteLength);

@@ -33,6 +33,9 @@ const hasIntegerDot = (): boolean =>
   (globalThis as { navigator?: Navigator }).navigator?.gpu?.wgslLanguageFeatures
     .has("packed_4x8_integer_dot_product") ?? false;
 
+const mostFactorBytes = 1 << 27; // of the poses of a dispatch, in the processor's memory
+
+/** Poses one face many times. Its arrays lie on the device until `dispose`. */
 export class GpuEvaluator {
   /** Bytes on the GPU: of the basis, of the rest mesh with what stands beside it, of the skin of driven joints. */
   readonly bytes: { readonly basis: number; readonly rest: number; readonly skin: number };
@@ -100,9 +103,10 @@ export class GpuEvaluator {
     const written = Math.floor((most - alignment) / this.bytesOf(1)), joints = 4 * jointNumbers * this.inverses.length;
     if (written < 1)
       throw new RangeError(`a pose takes ${this.bytesOf(1)} bytes; this device binds at most ${most - alignment}`);
-    const octets = Math.floor((most - 4) / (this.packer.mostBytes(1) - 4));
+    const octets = Math.floor((Math.min(most, mostFactorBytes) - 4) / (this.packer.mostBytes(1) - 4));
     if (octets < 1)
-      throw new RangeError(`the factors of eight poses take ${this.packer.mostBytes(1)} bytes; this device binds at most ${most}`);
+      throw new RangeError(`the factors of eight poses take ${this.packer.mostBytes(1)} bytes; this device binds at most ` +
+                           `${most}`);
     return Math.min(written, posesOfOctet * octets, joints > 0 ? Math.floor(most / joints) : Infinity);
   }
 
@@ -130,7 +134,8 @@ export class GpuEvaluator {
   private encodeSkin(encoder: GPUCommandEncoder, poses: number, target: ReturnType<GpuArrays["bind"]>): void {
     const { face, frames, inverses } = this, { vertexCount } = face, size = jointNumbers * inverses.length;
     for (let pose = 0; pose < poses; ++pose)
-      inverses.forEach((inverse, joint) => writeChange(frames, inverse, pose * size + jointNumbers * joint));
+      face.drivenJoints.forEach(({ rest }, joint) =>
+        writeChange(frames, rest, inverses[joint]!, pose * size + jointNumbers * joint));
     const joints = this.arrays.write("joints", new Uint32Array(frames.buffer, 0, poses * size));
     this.skin!.encode(encoder, [this.influences!, joints, target], [Math.ceil(vertexCount / workgroupSize), poses], (x, y) => {
       const all = { vertices: vertexCount, influences: face.drivenSkin!.influences, joints: inverses.length, first_pose: y,

@@ -33,12 +33,15 @@ export function drawPoses(face: Face, count: number, seed = 1): Float32Array {
 
 const isNaNBits = (bits: number): boolean => (bits & 0x7fffffff) > 0x7f800000;
 
-/** Numbers whose bits differ: NaN has many. */
+/** Whether bits are other ones: NaN has many. */
+export const differs = (found: number, expected: number): boolean =>
+  found !== expected && !(isNaNBits(found) && isNaNBits(expected));
+
+/** Numbers whose bits differ. */
 export function countDifferent(found: Uint32Array, expected: Float32Array): number {
   const bits = new Uint32Array(expected.buffer, expected.byteOffset, expected.length);
   let different = Math.abs(found.length - bits.length);
-  for (let i = 0; i < Math.min(found.length, bits.length); ++i)
-    if (found[i] !== bits[i] && !(isNaNBits(found[i]!) && isNaNBits(bits[i]!))) ++different;
+  for (let i = 0; i < Math.min(found.length, bits.length); ++i) if (differs(found[i]!, bits[i]!)) ++different;
   return different;
 }
 
@@ -51,7 +54,7 @@ export function farthest(face: Face, found: Uint32Array, expected: Float32Array)
   return most / face.diagonal;
 }
 
-/** Evaluates poses on both. Throws where bits differ; returns how far skinned positions are apart, over the diagonal. */
+/** Evaluates poses on both. Throws where bits differ, after driven joints those of a first pose at rest; returns how far skinned positions are apart, over the diagonal. */
 export async function checkGpuEvaluator(device: GPUDevice, face: Face, controls: Float32Array, poses: number,
                                         options: GpuEvaluatorOptions = {}): Promise<number> {
   const vertexOrder = options.vertexOrder ?? "source", size = 3 * face.vertexCount;
@@ -69,6 +72,9 @@ export async function checkGpuEvaluator(device: GPUDevice, face: Face, controls:
         if (different > 0) throw new Error(`${different} of ${positions.length} numbers differ (${JSON.stringify(asked)})`);
       } else {
         skinned = farthest(face, found, positions);
+        const rest = face.evaluateBatch(controls, 1, { positions: new Float32Array(size), vertexOrder }).positions;
+        const still = controls.subarray(0, face.controlCount).every((value, i) => value === face.restControls[i]);
+        if (still && countDifferent(found.subarray(0, size), rest) > 0) throw new Error("the rest mesh differs");
       }
     }
     const around = await readBuffer(device, buffer, 0, offset);

@@ -1,6 +1,6 @@
 // The shader's arithmetic with the bits of floats, compared with the processor's.
 import { exactArithmetic } from "../dist/exact_arithmetic_shader.js";
-import { countDifferent, readBuffer } from "./gpu_evaluator_checks.js";
+import { countDifferent, differs, readBuffer } from "./gpu_evaluator_checks.js";
 
 const code = `
 @group(0) @binding(0) var<storage, read> pairs: array<vec2<u32>>;
@@ -60,7 +60,7 @@ export async function checkArithmetic(device: GPUDevice): Promise<number> {
   device.queue.submit([encoder.finish()]);
   const found = await readBuffer(device, to, 0, expected.byteLength), different = countDifferent(found, expected);
   if (different > 0) {
-    const bits = new Uint32Array(expected.buffer), at = found.findIndex((word, i) => word !== bits[i]);
+    const bits = new Uint32Array(expected.buffer), at = found.findIndex((word, i) => differs(word, bits[i]!));
     const [a, b] = [pairs[2 * Math.floor(at / 3)]!, pairs[2 * Math.floor(at / 3) + 1]!];
     throw new Error(`${different} results differ, such as number ${at % 3} of ${a.toString(16)} and ${b.toString(16)}: ` +
                     `${found[at]!.toString(16)}, expected ${bits[at]!.toString(16)}`);
