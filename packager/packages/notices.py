@@ -4,9 +4,10 @@ facebaker.spdx.json, a software bill of materials (SPDX 2.3).
 
     notices.py OUT_DIR VERSION BINARY...
 
-BINARY: built shared libraries and programs; what is linked into libfacebaker, libfacebaker_bake, the tool, the tool
+BINARY: built libraries and programs, of any platform; what is linked into libfacebaker, libfacebaker_bake, the tool, the tool
 with a web server, facebaker-view, and the tool with MPI, facebaker-mpi, is listed in third_party.json, which a test
-compares with what the compiler read and the linker was given. Versions and licences are those of the Debian packages of
+compares with what the compiler read and the linker was given, and what MinGW links into each library of Windows. The same
+library for several processors counts once. Versions and licences are those of the Debian packages of
 this machine; on other systems versions are left out and licences are named only.
 Standard library only; the same inputs give the same bytes, dated by SOURCE_DATE_EPOCH or 1980."""
 
@@ -24,6 +25,7 @@ from typing import Any, Dict, List, Optional
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCUMENTATION = pathlib.Path("/usr/share/doc")
+LIBRARY = re.compile(r"(?:lib)?(facebaker(?:_bake)?)(?:_solve)?(?:-scalar)?\.(?:so|dll|dylib|a|wasm)\b")
 Component = Dict[str, Any]
 
 
@@ -37,14 +39,17 @@ def components() -> List[Component]:
 
 def user_of(binary: pathlib.Path) -> str:
     """By which of our names a binary is known in the table."""
-    found = re.match(r"lib(facebaker(?:_bake)?)\.so", binary.name)
+    found = LIBRARY.match(binary.name)
     if found:
         return found.group(1)
     return {"facebaker-view": "view", "facebaker-mpi": "mpi"}.get(binary.name, "tool")
 
 
 def linked_into(binary: pathlib.Path) -> List[Component]:
-    listed = [one for one in components() if user_of(binary) in one["in"]]
+    users = {user_of(binary)}
+    if binary.suffix == ".dll" and b"Mingw-w64" in binary.read_bytes():  # else Visual Studio's libraries are loaded
+        users.add("mingw")
+    listed = [one for one in components() if users & set(one["in"])]
     return [one for one in listed if not one.get("only_loaded") or is_loaded(one, needed_of(binary))]
 
 
@@ -104,7 +109,7 @@ def third_party_text(binaries: List[pathlib.Path]) -> str:
 
 
 def shown_name(binary: pathlib.Path) -> str:
-    return re.sub(r"\.so.*", "", binary.name)
+    return re.sub(r"\.(so.*|dylib|a)$", "", binary.name)
 
 
 def spdx_id(name: str) -> str:
@@ -135,7 +140,7 @@ def bill_of_materials(version: str, binaries: List[pathlib.Path]) -> Dict[str, A
     used = used_by(binaries)
     for binary in binaries:
         name, needed = shown_name(binary), needed_of(binary)
-        purpose = "LIBRARY" if ".so" in binary.name else "APPLICATION"
+        purpose = "LIBRARY" if LIBRARY.match(binary.name) else "APPLICATION"
         packages.append(spdx_package(name, version, "Apache-2.0", "", purpose))
         relationships.append(relation("SPDXRef-DOCUMENT", "DESCRIBES", spdx_id(name)))
         for one in linked_into(binary):
@@ -179,6 +184,8 @@ def date_of_creation() -> str:
 
 def notices(version: str, binaries: List[pathlib.Path]) -> Dict[str, str]:
     """Both files, by their names."""
+    first = {shown_name(binary): binary for binary in reversed(binaries)}
+    binaries = [binary for binary in binaries if first[shown_name(binary)] == binary]
     document = json.dumps(bill_of_materials(version, binaries), indent=1, ensure_ascii=False) + "\n"
     return {"THIRD-PARTY.txt": third_party_text(binaries), "facebaker.spdx.json": document}
 
