@@ -3,8 +3,8 @@
 
     pack_plugin.py --out DIR [--library PLATFORM=FILE]...
 
-Sources and public headers come from this tree, the version from VERSION. PLATFORM is one of Linux, Mac and Win64; Win64 takes
-two files, facebaker.dll and its import library facebaker.lib. DIR appears complete or not at all, and must not be there yet.
+Sources and public headers come from this tree, the version from VERSION. PLATFORM is one of Linux, LinuxArm64, Mac and Win64; Win64
+takes two files, facebaker.dll and its import library facebaker.lib. DIR appears complete or not at all, and must not be there yet.
 Standard library only."""
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ ROOT = HERE.parents[1]
 sys.path.insert(0, str(ROOT / "bindings" / "engine"))
 import engine_package  # noqa: E402
 
-FILES = {"Linux": ("libfacebaker.so",), "Mac": ("libfacebaker.dylib",), "Win64": ("facebaker.dll", "facebaker.lib")}
+FILES = {"Linux": ("libfacebaker.so",), "LinuxArm64": ("libfacebaker.so",), "Mac": ("libfacebaker.dylib",), "Win64": ("facebaker.dll", "facebaker.lib")}
 
 
 def pack(plugin: pathlib.Path, libraries: engine_package.Libraries) -> None:

@@ -16,14 +16,15 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export PYTHONDONTWRITEBYTECODE=1 OMP_WAIT_POLICY=PASSIVE
-# Windows' files are no libraries: what their names do is tested, which are those of docs/platforms.md.
+# Windows' files are no libraries, and AArch64's is this machine's: what their names do is tested; Windows' are those of
+# docs/platforms.md.
 names=$(sed -n 's/^lib .*\/name:\([^ ]*\) \/out:\([^ ]*\)$/\1 \2/p' docs/platforms.md)
 dll=${names% *} import=${names#* }
 mkdir "$work/windows" "$work/packed"
 echo none > "$work/windows/$dll"
 echo none > "$work/windows/$import"
 python3 bindings/unreal/pack_plugin.py --out "$work/packed/FaceBaker" --library Linux="$build/lib/engines/libfacebaker.so" \
-  --library Win64="$work/windows/$dll" --library Win64="$work/windows/$import"
+  --library LinuxArm64="$build/lib/engines/libfacebaker.so" --library Win64="$work/windows/$dll" --library Win64="$work/windows/$import"
 rm -r "$work/windows"
 plugin=$work/packed/FaceBaker
 python3 -m json.tool "$plugin/FaceBaker.uplugin" > /dev/null

@@ -30,7 +30,8 @@ internal static class CheckBuildRules
     {
         string plugin = arguments[0];
         ModuleRules.StubPluginDirectory = plugin;
-        foreach (UnrealTargetPlatform platform in new[] { UnrealTargetPlatform.Win64, UnrealTargetPlatform.Linux })
+        foreach (UnrealTargetPlatform platform in
+                 new[] { UnrealTargetPlatform.Win64, UnrealTargetPlatform.Linux, UnrealTargetPlatform.LinuxArm64 })
         {
             var rules = new FaceBaker(new ReadOnlyTargetRules { Platform = platform });
             That(rules.PublicAdditionalLibraries.Count == 1, platform + ": a library is linked");

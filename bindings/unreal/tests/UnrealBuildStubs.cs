@@ -3,7 +3,7 @@ using System.Collections.Generic;
 
 namespace UnrealBuildTool
 {
-    public enum UnrealTargetPlatform { Win64, Linux, Mac }
+    public enum UnrealTargetPlatform { Win64, Linux, LinuxArm64, Mac }
 
     public sealed class ReadOnlyTargetRules { public UnrealTargetPlatform Platform; }
 

@@ -19,11 +19,12 @@ public class FaceBaker : ModuleRules
             PublicDelayLoadDLLs.Add("facebaker.dll"); // FaceBakerModule.cpp loads it
             RuntimeDependencies.Add(Path.Combine(thirdParty, "Win64", "facebaker.dll"));
         }
-        else if (Target.Platform == UnrealTargetPlatform.Linux)
+        else if (Target.Platform == UnrealTargetPlatform.Linux || Target.Platform == UnrealTargetPlatform.LinuxArm64)
         {
-            string library = Path.Combine(thirdParty, "Linux", "libfacebaker.so");
+            string folder = Path.Combine(thirdParty, Target.Platform.ToString());
+            string library = Path.Combine(folder, "libfacebaker.so");
             PublicAdditionalLibraries.Add(library);
-            PrivateRuntimeLibraryPaths.Add(Path.Combine(thirdParty, "Linux"));
+            PrivateRuntimeLibraryPaths.Add(folder);
             RuntimeDependencies.Add(library);
         }
         else if (Target.Platform == UnrealTargetPlatform.Mac)
