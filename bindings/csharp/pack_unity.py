@@ -91,8 +91,8 @@ def pack(package: pathlib.Path, libraries: engine_package.Libraries) -> None:
     headers = ROOT / "capi" / "include" / "facebaker"
     interop = generate_interop.interop_lines(headers)
     (package / "Runtime" / "NativeInterop.cs").write_text("\n".join(interop) + "\n", encoding="utf-8")
-    version = (ROOT / "VERSION").read_text(encoding="utf-8").strip()
-    manifest = (HERE / "unity" / "package.json.in").read_text(encoding="utf-8").replace("@VERSION@", version)
+    manifest = (HERE / "unity" / "package.json.in").read_text(encoding="utf-8")
+    manifest = manifest.replace("@VERSION@", engine_package.version())
     (package / "package.json").write_text(manifest, encoding="utf-8")
     shutil.copy(HERE / "unity" / "README.md", package / "README.md")
     shutil.copy(ROOT / "LICENSE", package / "LICENSE.md")
@@ -100,6 +100,7 @@ def pack(package: pathlib.Path, libraries: engine_package.Libraries) -> None:
         place = package / "Plugins" / name / PLATFORMS[name].file
         place.parent.mkdir(parents=True)
         shutil.copyfile(library, place)
+    engine_package.write_notices(package, libraries)
     write_metas(package)
 
 

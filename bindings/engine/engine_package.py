@@ -4,14 +4,36 @@ library only."""
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import os
 import pathlib
 import struct
 import sys
 import tempfile
-from typing import Callable, Iterable, List, Optional, Tuple
+from typing import Callable, Dict, Iterable, List, Optional, Tuple
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 Libraries = List[Tuple[str, pathlib.Path]]
+
+
+def version() -> str:
+    return (ROOT / "VERSION").read_text(encoding="utf-8").strip()
+
+
+def notices(libraries: Iterable[pathlib.Path]) -> Dict[str, str]:
+    """What of others is in the libraries: THIRD-PARTY.txt and facebaker.spdx.json."""
+    place = importlib.util.spec_from_file_location("notices", ROOT / "packager" / "packages" / "notices.py")
+    assert place and place.loader
+    module = importlib.util.module_from_spec(place)
+    place.loader.exec_module(module)
+    texts: Dict[str, str] = module.notices(version(), list(libraries))
+    return texts
+
+
+def write_notices(folder: pathlib.Path, libraries: Libraries) -> None:
+    """Raises OSError."""
+    for name, text in notices([file for _, file in libraries]).items():
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 def soname(file: pathlib.Path) -> Optional[str]:

@@ -28,8 +28,8 @@ def pack(plugin: pathlib.Path, libraries: engine_package.Libraries) -> None:
         if file.name not in FILES[platform]:
             raise ValueError(f"{file}: a library for {platform} is called {' or '.join(FILES[platform])}")
     shutil.copytree(HERE / "FaceBaker", plugin, ignore=shutil.ignore_patterns("*.in"), dirs_exist_ok=True)
-    version = (ROOT / "VERSION").read_text(encoding="utf-8").strip()
-    manifest = (HERE / "FaceBaker" / "FaceBaker.uplugin.in").read_text(encoding="utf-8").replace("@VERSION@", version)
+    manifest = (HERE / "FaceBaker" / "FaceBaker.uplugin.in").read_text(encoding="utf-8")
+    manifest = manifest.replace("@VERSION@", engine_package.version())
     (plugin / "FaceBaker.uplugin").write_text(manifest, encoding="utf-8")
     for name in ("face_pose", "linear_skin", "render_surfaces"):
         for suffix in (".h", ".cpp"):
@@ -43,6 +43,7 @@ def pack(plugin: pathlib.Path, libraries: engine_package.Libraries) -> None:
     for platform, file in libraries:
         (third_party / platform).mkdir(exist_ok=True)
         shutil.copyfile(file, third_party / platform / file.name)
+    engine_package.write_notices(plugin, [(platform, file) for platform, file in libraries if file.suffix != ".lib"])
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
