@@ -6,6 +6,7 @@ import ctypes
 import ctypes.util
 import os
 import pathlib
+import sys
 from typing import Any, Iterable, List, Type, TypeVar
 
 from ._errors import STATUS_ERRORS, Error
@@ -47,7 +48,7 @@ class Library:
         named = os.environ.get(self._variable)
         if named:
             return [named]
-        file = f"lib{self._name}.so"
+        file = _file_of(self._name)
         places = [pathlib.Path(__file__).with_name(file)]
         if os.environ.get("FACEBAKER_LIBRARY"):
             places.insert(0, pathlib.Path(os.environ["FACEBAKER_LIBRARY"]).with_name(file))
@@ -57,7 +58,10 @@ class Library:
     def _open(self) -> ctypes.CDLL:
         candidates = self._candidates()
         if not candidates:
-            raise ImportError(f"lib{self._name} was not found; name it in the environment variable {self._variable}")
+            raise ImportError(
+                f"{_file_of(self._name)} was not found; name it in the environment variable {self._variable}"
+                + (". Packages for other systems than Linux on x86-64 pose only" if self._name == "facebaker_bake" else "")
+            )
         try:
             return ctypes.CDLL(candidates[0])
         except OSError as error:
@@ -65,6 +69,13 @@ class Library:
             if not _load_all(pathlib.Path(__file__).parent.glob("carried/*")):
                 raise ImportError(str(error)) from error
         return ctypes.CDLL(candidates[0])
+
+
+def _file_of(name: str) -> str:
+    """How this system calls a shared library."""
+    if sys.platform == "win32":
+        return f"{name}.dll"
+    return f"lib{name}.dylib" if sys.platform == "darwin" else f"lib{name}.so"
 
 
 def assign(struct: ctypes.Structure, **values: "int | float") -> None:

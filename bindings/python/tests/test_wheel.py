@@ -115,6 +115,40 @@ class WheelTest(unittest.TestCase):
             subprocess.run([sys.executable, "-c", program], check=True, env=environment)
             self.assertEqual(pathlib.Path(folder, self.wheel.name).read_bytes(), self.wheel.read_bytes())
 
+    def test_wheels_of_other_platforms_carry_the_runtime_alone(self):
+        version = (ROOT / "VERSION").read_text().strip()
+        for platform, file, tag in (
+            ("linux-arm64", "libfacebaker.so", r"manylinux_2_34_aarch64"),
+            ("windows-x64", "facebaker.dll", "win_amd64"),
+            ("macos", "libfacebaker.dylib", "macosx_11_0_universal2"),
+        ):
+            with self.subTest(platform=platform), tempfile.TemporaryDirectory() as folder:
+                library = pathlib.Path(folder, file)
+                library.write_bytes(f"made up {platform}\0GLIBC_2.34\0{version}\0".encode())
+                self.assertEqual(self.build(folder, platform, folder), (0, ""))
+                (wheel,) = pathlib.Path(folder).glob("*.whl")
+                self.assertEqual(wheel.name, f"facebaker-{version}-py3-none-{tag}.whl")
+                with zipfile.ZipFile(wheel) as opened:
+                    binaries = {name for name in opened.namelist() if not name.endswith(".py") and "dist-info" not in name}
+                    self.assertEqual(binaries, {f"facebaker/{file}", "facebaker/py.typed"})
+                    self.assertEqual(opened.read(f"facebaker/{file}"), library.read_bytes())
+                    third = opened.read(f"facebaker-{version}.dist-info/licenses/THIRD-PARTY.txt").decode()
+                    self.assertIn("\nzlib ", third)
+                    self.assertNotIn("\nDraco ", third)
+                library.write_bytes(b"made up\x001.0.0\0")
+                self.assertIn(f"{file}: is not of version {version}", self.build(folder, platform, folder)[1])
+        self.assertIn("platform is one of linux-arm64", self.build(self.folder.name, "amiga", self.folder.name)[1])
+        self.assertIn("there is no ", self.build(self.folder.name, "macos", self.folder.name)[1])
+
+    @staticmethod
+    def build(libraries, platform, out):
+        """The exit code of building the wheel of another platform, and what was said."""
+        settings = {"libraries": libraries, "platform": platform}
+        program = f"import facebaker_wheel; facebaker_wheel.build_wheel({out!r}, {settings!r})"
+        environment = {**os.environ, "PYTHONPATH": str(PROJECT / "wheel"), "PYTHONDONTWRITEBYTECODE": "1"}
+        run = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+        return run.returncode, run.stderr
+
     def test_libraries_that_are_not_there(self):
         program = "import facebaker_wheel; facebaker_wheel.build_wheel('.')"
         environment = {**os.environ, "PYTHONPATH": str(PROJECT / "wheel"), "PYTHONDONTWRITEBYTECODE": "1"}

@@ -2,6 +2,8 @@
 
 The libraries are those of the folder that `--config-settings libraries=FOLDER` or the environment variable
 FACEBAKER_LIBRARIES names, else those of build/release/lib if they are there, else CMake builds them in build/wheel.
+With `--config-settings platform=NAME` as well, the wheel is for another platform (PLATFORMS) and carries libfacebaker alone:
+it poses, and does not bake.
 Standard library only; Python 3.11 or newer builds, any that pyproject.toml allows uses the wheel."""
 
 import base64
@@ -21,6 +23,12 @@ ROOT = HERE.parents[1]
 LIBRARIES = ("facebaker", "facebaker_bake")
 # What every system that the platform tag stands for has; the wheel carries all else.
 OF_THE_SYSTEM = re.compile(r"linux-vdso|ld-linux|lib(c|m|dl|rt|pthread|gcc_s|stdc\+\+)\.so")
+# Other platforms: how the library is called there, and the tag of the wheel.
+PLATFORMS = {
+    "linux-arm64": ("libfacebaker.so", "manylinux_2_{}_aarch64"),
+    "windows-x64": ("facebaker.dll", "win_amd64"),
+    "macos": ("libfacebaker.dylib", "macosx_11_0_universal2"),
+}
 DATE = (1980, 1, 1, 0, 0, 0)  # of all files, so that the same tree gives the same bytes
 
 
@@ -48,9 +56,10 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     files = {f"facebaker/{path.name}": path.read_bytes() for path in sorted((HERE / "facebaker").glob("*.py"))}
     files["facebaker/py.typed"] = b""
     information = f"facebaker-{version()}.dist-info"
-    binaries, notices = shared_libraries(config_settings or {})
+    settings = config_settings or {}
+    binaries, notices = foreign_library(settings) if settings.get("platform") else shared_libraries(settings)
     files.update({f"facebaker/{name}": data for name, data in binaries.items()})
-    tag = f"py3-none-{platform_tag(binaries.values())}"
+    tag = f"py3-none-{platform_tag(binaries.values(), settings.get('platform'))}"
     files[f"{information}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     files.update({f"{information}/{name}": text for name, text in notices.items()})
     files[f"{information}/METADATA"] = metadata().encode()
@@ -123,6 +132,20 @@ def shared_libraries(settings):
     return files, notices
 
 
+def foreign_library(settings):
+    """The library of another platform, by its name in the package, and the notices of what is linked into it."""
+    platform = settings["platform"]
+    if platform not in PLATFORMS:
+        raise SystemExit(f"platform is one of {', '.join(PLATFORMS)}, and not {platform}")
+    path = pathlib.Path(settings.get("libraries") or ".", PLATFORMS[platform][0])
+    if not path.is_file():
+        raise SystemExit(f"there is no {path}")
+    data = path.read_bytes()
+    if version().encode() + b"\0" not in data:
+        raise SystemExit(f"{path}: is not of version {version()}")
+    return {path.name: data}, notices_of_linked([path])
+
+
 def library_folder(settings):
     named = settings.get("libraries") or os.environ.get("FACEBAKER_LIBRARIES")
     folder = pathlib.Path(named) if named else ROOT / "build" / "release" / "lib"
@@ -171,8 +194,10 @@ def notices_of_linked(libraries):
     return {f"{folders[name]}/{name}": text.encode() for name, text in texts.items()}
 
 
-def platform_tag(binaries):
+def platform_tag(binaries, platform=None):
     """manylinux with the version of glibc that the libraries need: pip refuses the wheel on older systems."""
     machine = sysconfig.get_platform().rpartition("-")[2]
     used = [int(minor) for data in binaries for minor in re.findall(rb"GLIBC_2\.(\d+)\0", data)]
+    if platform:
+        return PLATFORMS[platform][1].format(max(used, default=17))  # AArch64 has been in glibc since 2.17
     return f"manylinux_2_{max(used)}_{machine}" if used else f"linux_{machine}"
