@@ -3,9 +3,10 @@
 
     make_addon.py BUILD OUT.zip
 
-BUILD is a build folder of FaceBaker, such as build/release. In the zip are the add-on, the Python package, the tool and the
-libraries, with those they need that not every system has; and the viewer, where samples/viewer/build.sh has built it into the
-folder `viewer` beside BUILD. Standard library only."""
+BUILD is a build folder of FaceBaker, such as build/release, or one that it was installed into. In the zip are the add-on, the
+Python package, the tool and the libraries, with those they need that not every system has, and notices of all of it; and the
+viewer, where it is installed or samples/viewer/build.sh has built it into the folder `viewer` beside BUILD. Standard library
+only."""
 
 import ast
 import json
@@ -19,7 +20,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 PYTHON = HERE.parent / "python"
 sys.path.insert(0, str(PYTHON / "wheel"))
 
-from facebaker_wheel import DATE, ROOT, needed_libraries, notices_of, version  # noqa: E402
+from facebaker_wheel import DATE, ROOT, needed_libraries, notices_of, notices_of_linked, version  # noqa: E402
 
 MACHINES = {"x86_64": "x64", "aarch64": "arm64"}  # as Blender calls them
 
@@ -36,7 +37,9 @@ def addon_files(build):
         files[f"{carried}/facebaker/{path.name}"] = path.read_bytes()
     files[f"{carried}/facebaker/libfacebaker.so"] = runtime.read_bytes()
     programs = [tool]
-    server, page = build / "bin" / "facebaker-view", build.parent / "viewer"
+    server, page = build / "bin" / "facebaker-view", build / "share" / "facebaker" / "viewer"
+    if not page.is_dir():
+        page = build.parent / "viewer"
     if server.is_file() and (page / "index.html").is_file():
         programs.append(server)
         pages = [path for path in page.rglob("*") if path.is_file()]
@@ -48,6 +51,8 @@ def addon_files(build):
             files.update({f"{carried}/{name}": text for name, text in notices_of(needed).items()})
     for needed in needed_libraries(runtime):
         files[f"{carried}/facebaker/carried/{needed.name}"] = needed.read_bytes()
+    for place, text in notices_of_linked([*programs, runtime]).items():
+        files[f"facebaker_blender/{pathlib.PurePosixPath(place).name}"] = text
     files["facebaker_blender/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     files["facebaker_blender/blender_manifest.toml"] = manifest().encode()
     return files

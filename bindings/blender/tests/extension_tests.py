@@ -63,7 +63,8 @@ class PackedTest(unittest.TestCase):
     def test_its_manifest_is_valid(self):
         with zipfile.ZipFile(self.packed) as packed:
             manifest = tomllib.loads(packed.read("facebaker_blender/blender_manifest.toml").decode())
-            self.assertIn("facebaker_blender/LICENSE", packed.namelist())
+            for name in "LICENSE", "THIRD-PARTY.txt", "facebaker.spdx.json":
+                self.assertIn(f"facebaker_blender/{name}", packed.namelist())
         self.assertEqual((manifest["version"], manifest["license"]), (VERSION, ["SPDX:Apache-2.0"]))
         if not EXTENSIONS:
             self.skipTest("this Blender has no extensions, so it validates none")
