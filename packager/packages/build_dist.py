@@ -9,7 +9,8 @@ in build/dist-*. OUT_DIR is made anew; with --only or --without, files of other 
 there. Files appear when all of them are made, dated by the commit: the same commit gives the same bytes on the same machine.
 
 --platforms: what the runtime, wheels and plugins are made for. --library: a library that was built elsewhere, such as
-macos=libfacebaker.dylib, for the packages that carry those of several platforms.
+macos=libfacebaker.dylib, for the packages that carry those of several platforms. FB_CMAKE_OPTIONS in the environment: for every
+build, such as those by which a compiler cache knows sources again.
 Python 3.11 or newer; standard library only."""
 
 from __future__ import annotations
@@ -107,7 +108,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     parts = chosen_parts(options)
     platforms = dist_builds.USUAL[sys.platform] if options.platforms is None else options.platforms
     try:
-        given = engine_package.read_libraries(options.library, PLATFORMS)
+        given = engine_package.read_libraries(options.library, [*PLATFORMS, *dist_builds.ELSEWHERE])
         needed = [name for name in platforms if name not in dict(given) or "runtime" in parts]
         problems = problems_with(parts, needed, options.uncommitted)
     except (ValueError, OSError, subprocess.CalledProcessError) as error:

@@ -36,8 +36,8 @@ PLATFORMS: Dict[str, Platform] = {
     "windows-x64-msvc": Platform("windows-clang-cl", "", "bin/facebaker.dll", "win32", {}),
     "android-arm64": Platform("android-arm64", "android-arm64", "lib/libfacebaker.so", "linux", NDK),
     "android-x64": Platform("android-x64", "android-x64", "lib/libfacebaker.so", "linux", NDK),
-    "ios-arm64": Platform("ios-arm64", "ios-arm64", "lib/libfacebaker.a", "darwin", {}),
 }
+ELSEWHERE = ["ios"]  # whose library Xcode makes (.github/workflows/packages.yml), and packages carry
 # By default, those of which this system has packages.
 USUAL = {"linux": ["linux-x64", "linux-arm64", "windows-x64"], "darwin": ["macos"], "win32": ["windows-x64-msvc"]}
 
@@ -49,7 +49,8 @@ def run(*words: "str | pathlib.Path", cwd: pathlib.Path = ROOT) -> None:
 
 
 def build_and_install(folder: pathlib.Path, prefix: pathlib.Path, *configure: "str | pathlib.Path") -> None:
-    run("cmake", *configure, "-B", folder, "-D", "CMAKE_INSTALL_LIBDIR=lib", "-D", "FB_TESTS=OFF")
+    options = os.environ.get("FB_CMAKE_OPTIONS", "").split()
+    run("cmake", *configure, "-B", folder, "-D", "CMAKE_INSTALL_LIBDIR=lib", "-D", "FB_TESTS=OFF", *options)
     run("cmake", "--build", folder, "--parallel", str(os.cpu_count() or 1))
     shutil.rmtree(prefix, ignore_errors=True)
     run("cmake", "--install", folder, "--prefix", prefix, "--strip")
@@ -61,17 +62,37 @@ def build_runtime(name: str) -> pathlib.Path:
     made = PLATFORMS[name]
     if made.target:
         run(ROOT / "capi" / "platforms" / "build_dependencies.sh", made.target)
+    if name == "macos":
+        return join_processors(name, [build_kind(f"{name}-{one}", made, "-D", f"CMAKE_OSX_ARCHITECTURES={one}") for one in ("arm64", "x86_64")])
+    prefix = build_kind(name, made)
+    if name == "windows-x64":  # what other compilers link, by the names alone
+        run("llvm-dlltool", "-m", "i386:x86-64", "-d", ROOT / "build" / f"dist-{name}" / "capi" / "facebaker.def",
+            "-D", "facebaker.dll", "-l", prefix / "lib" / "facebaker.lib")
+    return prefix
+
+
+def build_kind(name: str, made: Platform, *configure: str) -> pathlib.Path:
+    """One build of a platform's runtime, installed and stripped."""
     folder, prefix = ROOT / "build" / f"dist-{name}", WORK / name
-    build_and_install(folder, prefix, "--preset", made.preset, "-D", "FB_OPENMP=OFF", "-D", "FB_SAMPLES=OFF")
+    build_and_install(folder, prefix, "--preset", made.preset, "-D", "FB_OPENMP=OFF", "-D", "FB_SAMPLES=OFF", *configure)
     library = prefix / made.library
     if library.parent.name == "engines":
         library.parent.mkdir()
         shutil.copyfile(folder / made.library, library)
         run(strip_of(folder), *(["-x"] if library.suffix == ".dylib" else []), library)
-    if name == "windows-x64":  # what other compilers link, by the names alone
-        run("llvm-dlltool", "-m", "i386:x86-64", "-d", folder / "capi" / "facebaker.def", "-D", "facebaker.dll",
-            "-l", prefix / "lib" / "facebaker.lib")
     return prefix
+
+
+def join_processors(name: str, prefixes: List[pathlib.Path]) -> pathlib.Path:
+    """What was installed for several processors of macOS, with libraries for all of them."""
+    joined = WORK / name
+    shutil.rmtree(joined, ignore_errors=True)
+    shutil.copytree(prefixes[0], joined, symlinks=True)
+    for library in joined.rglob("*.dylib"):
+        if not library.is_symlink():
+            place = library.relative_to(joined)
+            run("lipo", "-create", *[prefix / place for prefix in prefixes], "-output", library)
+    return joined
 
 
 def strip_of(folder: pathlib.Path) -> str:
