@@ -58,6 +58,17 @@ def source(work: Work, out: pathlib.Path) -> None:
     (out / f"{name}-source.tar.gz").write_bytes(gzip.compress(tar.stdout, compresslevel=9, mtime=0))
 
 
+def vcpkg(work: Work, out: pathlib.Path) -> None:
+    """A port, with the source beside it."""
+    source(work, WORK)
+    archive = WORK / f"facebaker-{VERSION}-source.tar.gz"
+    port = ROOT / "packager" / "packages" / "vcpkg"
+    members = {f"facebaker/{path.name}": Member(path.read_bytes()) for path in (port / "portfile.cmake", port / "usage", archive)}
+    manifest = (port / "vcpkg.json.in").read_text(encoding="utf-8").replace("@VERSION@", VERSION)
+    members["facebaker/vcpkg.json"] = Member(manifest.encode())
+    (out / f"facebaker_vcpkg-{VERSION}.zip").write_bytes(zip_bytes(members))
+
+
 def linux(work: Work, out: pathlib.Path) -> None:
     name = f"facebaker-{VERSION}-Linux-{platform.machine()}"
     (out / f"{name}.tar.gz").write_bytes(tar_bytes(read_members(work.everything(), name + "/")))
@@ -169,6 +180,7 @@ MONO = (("mcs", "install mono-mcs"), ("mono", "install mono-runtime"),
 GODOT4 = (str(GODOT_HEADERS["4"] / "gdextension_interface.h"), "`godot --dump-gdextension-interface` of Godot 4 writes it")
 PARTS: Dict[str, Part] = {
     "source": Part(source, (("git", "install git"),)),
+    "vcpkg": Part(vcpkg, (("git", "install git"),)),
     "linux": Part(linux),
     "debs": Part(debs),
     "runtime": Part(runtime, linux=False),

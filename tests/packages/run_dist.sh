@@ -9,7 +9,7 @@
 # phones, Unity, Unreal; Python on AArch64 and Windows.
 set -eu
 cd "$(dirname "$0")/../.."
-root=$PWD again= build=build/release
+root=$PWD again="" build=build/release
 while [ $# -gt 0 ]; do
   case $1 in
     --again) again=1 ;;
@@ -214,13 +214,20 @@ if there "facebaker-$version-source.tar.gz"; then
   pass "the source archive"
 else skip "the source archive: not in $dist"; fi
 
+if there "facebaker_vcpkg-$version.zip"; then
+  cmake -D PORT="$(unpack "$found")/facebaker" -D OUT="$work/vcpkg" -P tests/packages/vcpkg_stubs.cmake > "$work/log" 2>&1 ||
+    { tail -n 20 "$work/log"; fail "the port for vcpkg"; }
+  [ -e "$work/vcpkg/package/lib/libfacebaker.so" ] || fail "the port for vcpkg installs no library"
+  pass "the port for vcpkg, over stubs of vcpkg"
+else skip "the port for vcpkg: not in $dist"; fi
+
 if [ -n "$again" ]; then
   git clone --quiet "$root" "$work/another_name"
   mkdir "$work/another_name/build"
   for kept in cross gdnative gdextension viewer; do
     [ ! -e "build/$kept" ] || cp -r "build/$kept" "$work/another_name/build/"
   done
-  parts=$(awk '{ print $2 }' "$dist/SHA256SUMS" | sed -n 's/.*source.*/source/p; s/.*-runtime-.*/runtime/p; s/.*nupkg/nupkg/p
+  parts=$(awk '{ print $2 }' "$dist/SHA256SUMS" | sed -n 's/.*source.*/source/p; s/.*-runtime-.*/runtime/p; s/.*_vcpkg-.*/vcpkg/p; s/.*nupkg/nupkg/p
     s/.*unity-.*/unity/p; s/.*unreal-.*/unreal/p; s/.*godot3-.*/godot3/p; s/.*godot4-.*/godot4/p; s/.*blender-.*/blender/p
     s/.*\.whl/wheels/p; s/.*-Linux-.*gz/linux/p; s/^facebaker-[0-9.]*\.tgz/npm/p' | sort -u | paste -sd,)
   viewer=--without-viewer
