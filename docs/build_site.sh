@@ -1,8 +1,8 @@
 #!/bin/sh
 # Builds the documentation as a site, which any web server can give and a browser can open from the disk:
 #   docs/build_site.sh [--viewer FOLDER] [--packages FOLDER] [OUT_DIR]    default: build/site; then open OUT_DIR/index.html
-# --viewer: a built viewer (samples/viewer), which becomes the demo. --packages: what packager/packages/build_debs.sh made, to
-# be downloaded. Warnings are errors. Installs mkdocs, mkdocs-material,
+# --viewer: a built viewer (samples/viewer), which becomes the demo. --packages: what build_dist.py or build_debs.sh of packager/packages
+# made, to be downloaded. Warnings are errors. Installs mkdocs, mkdocs-material,
 # KaTeX and doxygen where they are missing (Debian, as root).
 set -eu
 cd "$(dirname "$0")/.."

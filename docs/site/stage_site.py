@@ -4,7 +4,7 @@ hold, with the files they link to, and mkdocs.yml with the entries whose page is
 
     stage_site.py ROOT STAGE [--viewer] [--packages FOLDER]
 
---viewer: with the demo. --packages: with a page of the files in a folder that packager/packages/build_debs.sh made.
+--viewer: with the demo. --packages: with a page of the files in a folder that build_dist.py or build_debs.sh of packager/packages made.
 Fails where a page of docs/ is in no entry of the navigation."""
 
 from __future__ import annotations
@@ -78,10 +78,10 @@ def named(entries: List[Any]) -> Set[str]:
 
 def add_downloads(intro: str, folder: pathlib.Path, pages: pathlib.Path) -> None:
     """Copies the files of a folder to be downloaded, and writes their page: what a reader wants first, then by name."""
-    order = [".zip", ".tar.gz", ".deb"]
+    order = [".zip", ".tar.gz", ".tgz", ".whl", ".nupkg", ".deb", "SUMS"]
     files = [path for path in folder.iterdir() if any(path.name.endswith(suffix) for suffix in order)]
     if not files:
-        raise SystemExit(f"{folder}: there are no packages; packager/packages/build_debs.sh builds them")
+        raise SystemExit(f"{folder}: there are no packages; packager/packages/build_dist.py and build_debs.sh build them")
     files.sort(key=lambda path: ([path.name.endswith(suffix) for suffix in order].index(True), path.name))
     for path in files:
         place(pages / "downloads" / path.name, path)
