@@ -136,7 +136,7 @@ else
 import { readFile } from "node:fs/promises";
 import { load } from "facebaker";
 const face = await load(await readFile(process.argv[2]));
-const controls = face.restControls();
+const controls = face.createPose();
 controls[0] = 0.7;
 console.log(Buffer.from(face.evaluate(controls).slice(0, 3).buffer).toString("hex"));
 END
