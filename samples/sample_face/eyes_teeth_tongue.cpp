@@ -44,6 +44,7 @@ void add_eye(FaceMesh& mesh, int eye) {
       front = ring;
     else
       mesh.bridge(ring, previous);
+    mesh.eye_rings[eye].push_back(ring);
     previous = ring;
   }
   mesh.cap(front, 8, 8);
@@ -84,6 +85,7 @@ void add_teeth(FaceMesh& mesh, bool upper) {
   for (std::size_t i = 0; i + 1 < sections.size(); ++i) mesh.bridge(sections[i + 1], sections[i]);
   mesh.cap(Ring(sections.front().rbegin(), sections.front().rend()), 2, 2);
   mesh.cap(sections.back(), 2, 2);
+  mesh.teeth_rings[upper ? 0 : 1] = sections;
   (upper ? mesh.upper_teeth : mesh.lower_teeth) = Span{first, Index(mesh.points.size()) - first};
 }
 
@@ -113,6 +115,7 @@ void add_tongue(FaceMesh& mesh) {
       mesh.cap(ring, 4, 4);
     else
       mesh.bridge(ring, previous);
+    mesh.tongue_rings.push_back(ring);
     previous = ring;
   }
   mesh.cap(Ring(previous.rbegin(), previous.rend()), 4, 4);

@@ -14,7 +14,7 @@ void FaceMesh::bridge(const Ring& outer, const Ring& inner) {
   }
 }
 
-void FaceMesh::cap(const Ring& ring, int a, int b) {
+Ring FaceMesh::cap(const Ring& ring, int a, int b) {
   const auto on_ring = [&](int i, int j) {
     if (j == 0) return ring[i];
     if (i == a) return ring[a + j];
@@ -22,7 +22,7 @@ void FaceMesh::cap(const Ring& ring, int a, int b) {
     return ring[(2 * a + b + (b - j)) % ring.size()];
   };
   const auto at = [&](int i, int j) { return points[on_ring(i, j)]; };
-  std::vector<Index> grid((a + 1) * (b + 1));
+  Ring grid((a + 1) * (b + 1));
   for (int j = 0; j <= b; ++j)
     for (int i = 0; i <= a; ++i) {
       Index& vertex = grid[j * (a + 1) + i];
@@ -39,6 +39,7 @@ void FaceMesh::cap(const Ring& ring, int a, int b) {
       const Index* v = &grid[j * (a + 1) + i];
       quads.push_back({v[0], v[1], v[a + 2], v[a + 1]});
     }
+  return grid;
 }
 
 FaceMesh build_face_mesh() {

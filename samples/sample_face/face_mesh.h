@@ -54,12 +54,20 @@ struct FaceMesh {
   Span skin;                                        // includes lips, inside of the mouth, lids and ears
   std::array<Span, 2> eyes;                         // left, right
   Span upper_teeth, lower_teeth, tongue;
+  // What texture coordinates are laid out by.
+  Ring neck;                                     // the lower edge of the skin, from the middle of the face
+  Ring seam;                                     // up the back of the head, from the neck to the middle of the crown
+  Ring throat;                                   // all vertices that close the inside of the mouth
+  std::array<std::vector<Ring>, 2> eye_rings;    // from the pupil back
+  std::array<std::vector<Ring>, 2> teeth_rings;  // upper, lower: sections from the right end of the row to the left
+  std::vector<Ring> tongue_rings;                // from the tip back
 
   Index add(Vec3 p);
   // Quads between two rings of equal size, `inner` lying inside `outer` (or above it).
   void bridge(const Ring& outer, const Ring& inner);
   // Closes a ring of 2 (a + b) vertices with a x b quads; the ring starts at a corner and runs along side a first.
-  void cap(const Ring& ring, int a, int b);
+  // Returns all of their vertices, rows of a + 1.
+  Ring cap(const Ring& ring, int a, int b);
 };
 
 // Parameters of a column of the mouth: where it meets the lips.

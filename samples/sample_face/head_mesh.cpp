@@ -164,7 +164,11 @@ void add_head(FaceMesh& mesh) {
             {grid[row][column], grid[row][wrap(column + 1)], grid[row + 1][wrap(column + 1)], grid[row + 1][column]});
   Ring crown;
   for (int i = 0; i < kColumns; ++i) crown.push_back(grid[kRowCount - 1][wrap(i - 8)]);
-  mesh.cap(crown, 16, 14);
+  constexpr int kAcross = 16, kAlong = 14;  // of the crown, its last row at the back
+  const Ring cap = mesh.cap(crown, kAcross, kAlong);
+  mesh.neck.assign(grid[0].begin(), grid[0].end());
+  for (int row = 0; row < kRowCount; ++row) mesh.seam.push_back(grid[row][kColumns / 2]);
+  for (int j = kAlong - 1; j >= kAlong / 2; --j) mesh.seam.push_back(cap[j * (kAcross + 1) + kAcross / 2]);
 
   std::vector<bool> free(mesh.points.size(), true);
   for (int column = 0; column < kColumns; ++column) free[grid[0][column]] = false;

@@ -110,7 +110,7 @@ void add_mouth_loops(FaceMesh& mesh, const Ring& outer) {
                     b.z - b.curve * a * a});
     }
   for (int ring = 0; ring + 1 < kMouthRings; ++ring) mesh.bridge(mesh.mouth[ring], mesh.mouth[ring + 1]);
-  mesh.cap(mesh.mouth[kMouthRings - 1], 16, 6);
+  mesh.throat = mesh.cap(mesh.mouth[kMouthRings - 1], 16, 6);
 }
 
 }  // namespace sample_face
