@@ -15,7 +15,7 @@ cmake --build --preset release --parallel "$(nproc)" \
 facebaker=build/release/bin/facebaker
 out=build/quickstart
 mkdir -p "$out"
-"$facebaker" bake sample --out "$out/sample.fbk" --recipe compact --use variant --poses "$poses"
+"$facebaker" bake sample --out "$out/sample.fbk" --recipe compact --use variant --poses "$poses" --levels 3
 "$facebaker" verify "$out/sample.fbk"
 "$facebaker" eval "$out/sample.fbk" sample
 "$facebaker" pose "$out/sample.fbk" --beside sample --out "$out/sample.png" \
