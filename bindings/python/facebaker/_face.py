@@ -139,7 +139,7 @@ class Face(FaceContents):
             out = np.empty((self.vertex_count, 3), np.float32)
         else:
             check_output("out", out, (self.vertex_count, 3), np.dtype(np.float32))
-        with self._scratches.borrow(1) as scratch:
+        with self._scratches.borrow() as scratch:
             check(library.fb_evaluate(self._handle, scratch, values.ctypes.data, out.ctypes.data))
         return out
 
@@ -182,7 +182,7 @@ class Face(FaceContents):
         values, kind = self._poses(controls), np.dtype(dtype)
         if kind not in (np.float32, np.float16):
             raise ValueError(f"dtype is {kind}, neither float32 nor float16")
-        vertices = self.levels[min(int(lod), self.level_count - 1)].vertices if level_only else self.vertex_count
+        vertices = self._level_vertices(lod) if level_only else self.vertex_count
         shape = (len(values), vertices, 3)
         if out is None:
             # What of meshes that are not posed is not written stays 0.
@@ -190,7 +190,8 @@ class Face(FaceContents):
         desc = library.filled(fb_batch_desc)
         if threads < 0:
             raise ValueError(f"{threads} threads")
-        assign(desc, threads=threads)
+        workers = min(threads or os.cpu_count() or 1, max(len(values), 1))
+        assign(desc, threads=min(threads, workers))
         set_controls(desc, values)
         desc.pose_stride = desc.normal_pose_stride = desc.tangent_pose_stride = 3 * vertices
         desc.vertex_order, desc.format = int(baked_order), int(kind == np.float16)
@@ -204,7 +205,7 @@ class Face(FaceContents):
             desc.regions, desc.region_count = choice(regions, self.regions, "region")
         if meshes is not None:
             desc.meshes, desc.mesh_count = choice(meshes, [mesh.name for mesh in self.meshes], "mesh")
-        with self._scratches.borrow(threads or os.cpu_count() or 1) as scratch:
+        with self._scratches.borrow(workers, several=len(values) > 1) as scratch:
             check(library.fb_evaluate_batch(self._handle, scratch, desc))
         return out
 
@@ -227,7 +228,7 @@ class Face(FaceContents):
         """(controls,), or a dictionary as for pose() -> (coefficients,), float32: the weights of basis()'s columns."""
         values = self._one_pose(controls)
         coefficients = np.empty(self.coefficient_count, np.float32)
-        with self._scratches.borrow(1) as scratch:
+        with self._scratches.borrow() as scratch:
             check(library.fb_evaluate_coefficients(self._handle, scratch, values.ctypes.data, coefficients.ctypes.data))
         return coefficients
 
@@ -240,7 +241,7 @@ class Face(FaceContents):
         poses = self._poses(np.asarray(controls, np.float32)[None] if single else controls)
         errors = np.empty((len(poses), 1 + len(self.error_regions)), np.float32)
         outside = np.empty(len(poses), np.uint32)
-        with self._scratches.borrow(1) as scratch:
+        with self._scratches.borrow() as scratch:
             for pose in range(len(poses)):
                 arrays = (poses[pose], errors[pose], outside[pose:])
                 check(library.fb_expected_error(self._handle, scratch, *(array.ctypes.data for array in arrays)))
@@ -297,6 +298,10 @@ class Face(FaceContents):
         index = ctypes.c_uint32()
         check(find(self._handle, name.encode(), byref(index)))
         return index.value
+
+    def _level_vertices(self, lod: float) -> int:
+        """Vertices of the level that lod is rounded down to."""
+        return self.levels[min(max(int(lod), 0), self.level_count - 1)].vertices
 
     def _one_pose(self, controls: Controls) -> Floats:
         if isinstance(controls, collections.abc.Mapping):

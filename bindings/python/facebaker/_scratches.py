@@ -6,7 +6,7 @@ import contextlib
 import threading
 import weakref
 from ctypes import byref, c_void_p
-from typing import Dict, Iterator, List
+from typing import Iterator, List, Optional
 
 from ._library import check, library
 
@@ -14,37 +14,60 @@ from ._library import check, library
 class _Scratch:
     """Freed with this object; the model lives as long."""
 
-    def __init__(self, model: c_void_p, workers: int) -> None:
+    def __init__(self, model: c_void_p, workers: int, several: bool) -> None:
+        self.workers, self.several = workers, several
         self.handle = c_void_p()
-        check(library.fb_scratch_create(model, workers, byref(self.handle)))
+        create = library.fb_scratch_create if several else library.fb_scratch_create_single
+        check(create(model, workers, byref(self.handle)))
         weakref.finalize(self, library.fb_scratch_destroy, self.handle)
+
+    def serves(self, workers: int, several: bool) -> bool:
+        return self.workers >= workers and (self.several or not several)
 
 
 class ScratchPool:
-    """Scratches of a model, which it keeps until it is gone: as many as there were calls at once. Thread-safe."""
+    """Scratches of a model, which it keeps until it is gone: as many as there were calls at once, of the kinds that these
+    asked for. Thread-safe, without a lock, which a fork could leave taken."""
 
     def __init__(self, model: c_void_p) -> None:
         self._model = model
-        self._free: Dict[int, List[_Scratch]] = {}  # by their workers
+        self._free: List[_Scratch] = []
         self._last = threading.local()
 
     @contextlib.contextmanager
-    def borrow(self, workers: int) -> Iterator[c_void_p]:
-        """A scratch for so many workers, the caller's within the context."""
-        free = self._free.setdefault(workers, [])
-        try:
-            scratch = free.pop()
-        except IndexError:
-            scratch = _Scratch(self._model, workers)
+    def borrow(self, workers: int = 1, several: bool = False) -> Iterator[c_void_p]:
+        """A scratch for so many workers at least, the caller's within the context. several: with room to evaluate several
+        poses together, in four times the memory."""
+        free = self._free
+        scratch = self._take(workers, several)
+        if scratch is None:
+            for other in tuple(free):  # in their place the new one serves
+                if workers >= other.workers and several >= other.several:
+                    self._removed(other)
+            scratch = _Scratch(self._model, workers, several)
         try:
             yield scratch.handle
             self._last.clamped = library.fb_clamped_count(scratch.handle)
         finally:
             free.append(scratch)
 
+    def _take(self, workers: int, several: bool) -> Optional[_Scratch]:
+        for scratch in tuple(self._free):
+            if scratch.serves(workers, several) and self._removed(scratch):
+                return scratch
+        return None
+
+    def _removed(self, scratch: _Scratch) -> bool:
+        """Whether it was still free."""
+        try:
+            self._free.remove(scratch)
+        except ValueError:
+            return False
+        return True
+
     def close(self) -> None:
         """Frees all scratches but those that calls are using, which are freed after these."""
-        self._free = {}
+        self._free = []
 
     @property
     def clamped_count(self) -> int:

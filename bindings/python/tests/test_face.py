@@ -1,3 +1,5 @@
+import contextlib
+import ctypes
 import gc
 import inspect
 import os
@@ -22,6 +24,24 @@ FIXTURE = pathlib.Path(os.environ["FB_FIXTURE"])
 def random_poses(face, count):
     low, high = face.ranges.T
     return numpy.random.default_rng(1).uniform(low, high, (count, face.control_count)).astype(numpy.float32)
+
+
+class AllocatorFigures(ctypes.Structure):
+    """glibc's struct mallinfo2."""
+
+    _fields_ = [
+        (name, ctypes.c_size_t)
+        for name in "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost".split()
+    ]
+
+
+def allocated_bytes():
+    libc = ctypes.CDLL(None)
+    if not hasattr(libc, "mallinfo2"):
+        raise unittest.SkipTest("the C library does not say how much is allocated")
+    libc.mallinfo2.restype = AllocatorFigures
+    figures = libc.mallinfo2()
+    return figures.uordblks + figures.hblkhd
 
 
 class FaceTest(unittest.TestCase):
@@ -149,10 +169,62 @@ class FaceTest(unittest.TestCase):
                 facebaker.evaluate_many(wrong)
         with self.assertRaisesRegex(ValueError, "item 0: out must be a writable"):
             facebaker.evaluate_many([(face, poses)], out=out[:1])
-        with self.assertRaisesRegex(ValueError, "out has 2 arrays for 1 items"):
+        with self.assertRaisesRegex(ValueError, "out: 2 for 1 items"):
             facebaker.evaluate_many([(face, poses)], out=out)
         with self.assertRaisesRegex(ValueError, "-1 threads"):
             facebaker.evaluate_many(items, -1)
+
+    def test_many_faces_with_normals_and_levels(self):
+        face, other = self.face, facebaker.load(FIXTURE.with_name("levels.fbk"))
+        items = [(face, random_poses(face, 1)), (other, random_poses(other, 3)), (other, random_poses(other, 1))]
+        lods = [0, 1.5, 9]
+        normals = [None] + [numpy.empty((len(poses), other.vertex_count, 3), numpy.float32) for _, poses in items[1:]]
+        results = facebaker.evaluate_many(items, 2, normals=normals, lods=lods)
+        for (posed, poses), lod, positions, given in zip(items, lods, results, normals):
+            expected = numpy.empty((len(poses), posed.vertex_count, 3), numpy.float32)
+            numpy.testing.assert_array_equal(positions, posed.evaluate_batch(poses, normals=expected, lod=lod))
+            if given is not None:
+                numpy.testing.assert_array_equal(given, expected)
+        few = facebaker.evaluate_many(items, lods=lods, level_only=True)
+        for (posed, poses), lod, positions in zip(items, lods, few):
+            alone = posed.evaluate_batch(poses, lod=lod, baked_order=True, level_only=True)
+            numpy.testing.assert_array_equal(positions, alone)
+        self.assertLess(few[2].shape[1], few[1].shape[1])
+        with self.assertRaisesRegex(ValueError, "item 1: normals must be a writable"):
+            facebaker.evaluate_many(items, normals=[None, normals[2], None])
+        with self.assertRaisesRegex(ValueError, "lods: 2 for 3 items"):
+            facebaker.evaluate_many(items, lods=lods[:2])
+        self.assert_error("FB_ERROR_INVALID_ARGUMENT", "item 2: ", facebaker.evaluate_many, items, lods=[0, 0, -1])
+
+    def test_instances_share_working_memory(self):
+        """A face's memory of its own would be 4 kB each for the fixture."""
+        face, count = facebaker.load(FIXTURE.with_name("levels.fbk")), 100
+        items = [(face, poses[None]) for poses in random_poses(face, count)]
+        arrays = numpy.empty((2, count, 1, face.vertex_count, 3), numpy.float32)
+        facebaker.evaluate_many(items[:2], 2, arrays[0, :2], normals=arrays[1, :2])
+        before = allocated_bytes()
+        for _ in range(2):
+            facebaker.evaluate_many(items, 2, arrays[0], normals=arrays[1])
+        self.assertLess(allocated_bytes() - before, 64 << 10)
+        single = facebaker.load(FIXTURE.with_name("levels.fbk"))
+        before = allocated_bytes()
+        with contextlib.ExitStack() as borrowed:
+            for _ in range(count):
+                borrowed.enter_context(single._scratches.borrow())
+            self.assertGreater(allocated_bytes() - before, 200 << 10)  # what is measured includes it
+
+    def test_working_memory_serves_what_needs_less(self):
+        pool = self.face._scratches
+        with pool.borrow() as small, pool.borrow() as other:
+            self.assertNotEqual(small.value, other.value)
+        with pool.borrow(3) as three:
+            pass
+        self.assertEqual(len(pool._free), 1)  # in place of the two
+        with pool.borrow(2) as again, pool.borrow(3, several=True) as several:
+            self.assertEqual(again.value, three.value)
+        self.assertEqual([(scratch.workers, scratch.several) for scratch in pool._free], [(3, True), (3, False)])
+        with pool.borrow(2, several=True) as again:
+            self.assertEqual(again.value, several.value)
 
     def test_clamping_is_counted(self):
         self.face.evaluate([9, -9, 0.5, 0, 0])
