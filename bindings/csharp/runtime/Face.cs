@@ -11,7 +11,7 @@ namespace FaceBaker
     public sealed unsafe partial class Face : IDisposable
     {
         private const int StreamBufferBytes = 64 << 10;
-        private readonly ScratchPool scratches = new ScratchPool();
+        private readonly ScratchPool singles = new ScratchPool(false), several = new ScratchPool(true);
 
         private Face(ModelHandle handle)
         {
@@ -132,7 +132,7 @@ namespace FaceBaker
         /// <summary>Length of the diagonal of the rest mesh's bounding box, in units.</summary>
         public double Diagonal { get; private set; }
 
-        /// <summary>Bytes of memory that the model takes to evaluate poses, without scratches.</summary>
+        /// <summary>Bytes of memory that the model takes to evaluate poses, without singles.</summary>
         public long RuntimeBytes
         {
             get { return (long)Native.fb_runtime_bytes(Handle); }
@@ -200,14 +200,14 @@ namespace FaceBaker
         /// allocates nothing, but where more threads pose at once than ever before.</summary>
         public void Evaluate(ReadOnlySpan<float> controls, Span<float> positions)
         {
-            Scratch scratch = scratches.Take(this);
+            Scratch scratch = singles.Take(this);
             try
             {
                 scratch.Evaluate(controls, positions);
             }
             finally
             {
-                scratches.Give(scratch);
+                singles.Give(scratch);
             }
         }
 
@@ -215,6 +215,7 @@ namespace FaceBaker
         /// thread; for more threads use a <see cref="Scratch"/> with as many workers.</summary>
         public void EvaluateBatch(in PoseBatch batch)
         {
+            ScratchPool scratches = batch.Poses > 1 ? several : singles;
             Scratch scratch = scratches.Take(this);
             try
             {
@@ -231,7 +232,8 @@ namespace FaceBaker
         public void Dispose()
         {
             Handle.Dispose();
-            scratches.Close();
+            singles.Close();
+            several.Close();
         }
     }
 }

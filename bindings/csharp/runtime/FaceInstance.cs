@@ -3,10 +3,10 @@ using System;
 namespace FaceBaker
 {
     /// <summary>One of any number of characters that share a face: its control values, and its last pose with normals, tangents
-    /// and bounds. Of one thread at a time. Posing allocates nothing.</summary>
-    public sealed class FaceInstance : IDisposable
+    /// and bounds. It takes no memory but for these: working memory is the face's, for each thread that poses. Of one thread at a
+    /// time. Posing allocates nothing.</summary>
+    public sealed class FaceInstance
     {
-        private readonly Scratch scratch;
         private readonly float[] controls, positions, normals, tangents, sockets, joints;
         private readonly float[] bounds = new float[6];
         private bool posed;
@@ -16,7 +16,8 @@ namespace FaceBaker
         /// <exception cref="ArgumentNullException">face is null.</exception>
         public FaceInstance(Face face)
         {
-            scratch = new Scratch(face);
+            if (face == null) throw new ArgumentNullException(nameof(face));
+            Face = face;
             controls = face.RestControls.ToArray();
             positions = new float[3 * face.VertexCount];
             normals = new float[positions.Length];
@@ -26,7 +27,7 @@ namespace FaceBaker
         }
 
         /// <summary>The face.</summary>
-        public Face Face { get { return scratch.Face; } }
+        public Face Face { get; private set; }
 
         /// <summary>The value of a control by its index. Values out of its range are clamped when it poses.</summary>
         public float this[int control]
@@ -83,10 +84,11 @@ namespace FaceBaker
 
         /// <summary>Poses, if anything was set since it last did; returns whether it did.</summary>
         /// <exception cref="FaceBakerException">A control is NaN; the last pose stays.</exception>
+        /// <exception cref="ObjectDisposedException">The face was disposed.</exception>
         public bool Pose()
         {
             if (posed) return false;
-            scratch.EvaluateBatch(new PoseBatch(1, controls)
+            Face.EvaluateBatch(new PoseBatch(1, controls)
             {
                 Positions = positions, Normals = normals, Tangents = tangents, Sockets = sockets, Joints = joints,
                 Bounds = bounds, Lod = lod
@@ -99,12 +101,6 @@ namespace FaceBaker
         public void Write(RenderMesh mesh, Span<float> vertices)
         {
             mesh.Write(positions, normals, tangents, vertices);
-        }
-
-        /// <summary>Frees its scratch. May be called again.</summary>
-        public void Dispose()
-        {
-            scratch.Dispose();
         }
     }
 }

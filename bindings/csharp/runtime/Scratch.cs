@@ -4,7 +4,7 @@ using System.Runtime.InteropServices;
 
 namespace FaceBaker
 {
-    /// <summary>Working memory of evaluations: one a thread. A call with it while another runs is refused. Evaluating allocates
+    /// <summary>Working memory of evaluations: one a thread, for any number of characters that share a face. A call with it while another runs is refused. Evaluating allocates
     /// nothing. It keeps what it needs of its face, also after that was disposed.</summary>
     public sealed unsafe class Scratch : IDisposable
     {
@@ -12,12 +12,25 @@ namespace FaceBaker
         private readonly ScratchHandle handle;
         private readonly int controls, coordinates;
 
-        /// <summary>A scratch for poses of a face on up to so many threads at once; 1 is enough but for batches.</summary>
+        /// <summary>A scratch for single poses of a face; batches have the same bits, in more time.</summary>
+        /// <exception cref="ArgumentNullException">face is null.</exception>
+        /// <exception cref="FaceBakerException">Memory is short.</exception>
+        /// <exception cref="ObjectDisposedException">The face was disposed.</exception>
+        public Scratch(Face face) : this(face, 1, false)
+        {
+        }
+
+        /// <summary>A scratch for batches, on up to so many threads at once, in about four times the memory for each.</summary>
         /// <exception cref="ArgumentNullException">face is null.</exception>
         /// <exception cref="ArgumentOutOfRangeException">workers is below 1.</exception>
         /// <exception cref="FaceBakerException">Memory is short.</exception>
         /// <exception cref="ObjectDisposedException">The face was disposed.</exception>
-        public Scratch(Face face, int workers = 1)
+        public Scratch(Face face, int workers) : this(face, workers, true)
+        {
+        }
+
+        // several: with room to evaluate several poses together.
+        internal Scratch(Face face, int workers, bool several)
         {
             if (face == null) throw new ArgumentNullException(nameof(face));
             if (workers < 1) throw new ArgumentOutOfRangeException(nameof(workers), workers, "There is at least one worker.");
@@ -25,7 +38,8 @@ namespace FaceBaker
             model = face.Handle;
             controls = face.ControlCount;
             coordinates = 3 * face.VertexCount;
-            Native.Check(Native.fb_scratch_create(model, (uint)workers, out handle));
+            Native.Check(several ? Native.fb_scratch_create(model, (uint)workers, out handle)
+                                 : Native.fb_scratch_create_single(model, (uint)workers, out handle));
         }
 
         /// <summary>The face that it poses.</summary>

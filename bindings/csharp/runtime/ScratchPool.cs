@@ -7,7 +7,14 @@ namespace FaceBaker
     internal sealed class ScratchPool
     {
         private readonly Scratch[] idle = new Scratch[64];
+        private readonly bool several;
         private volatile bool closed;
+
+        /// <summary>several: for batches, else for single poses.</summary>
+        public ScratchPool(bool several)
+        {
+            this.several = several;
+        }
 
         /// <summary>One that nobody else has; to be given back.</summary>
         public Scratch Take(Face face)
@@ -17,7 +24,7 @@ namespace FaceBaker
                 Scratch scratch = idle[i] == null ? null : Interlocked.Exchange(ref idle[i], null);
                 if (scratch != null) return scratch;
             }
-            return new Scratch(face);
+            return new Scratch(face, 1, several);
         }
 
         /// <summary>Gives a scratch back, which is freed where the pool is full or closed.</summary>

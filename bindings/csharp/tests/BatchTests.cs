@@ -100,6 +100,54 @@ namespace FaceBaker.Tests
             }
         }
 
+        public static void FacesOfACrowdHaveLevelsNormalsAndAreSeenOrNot()
+        {
+            using (Face tiny = Face.Load(Fixture("tiny.fbk")))
+            using (Face levels = Face.Load(Fixture("levels.fbk")))
+            using (var crowd = new Crowd(new[] { levels, tiny, levels, levels }, 2))
+            {
+                for (int i = 0; i < crowd.Count; ++i) crowd.Controls(i).Fill(0.2f * (i + 1));
+                crowd.SetNormals(2, true);
+                crowd.SetNormals(3, true);
+                crowd.SetLod(2, 1.5f);
+                crowd.SetLod(3, 9, true);
+                Same(1.5f, crowd.Lod(2), "level");
+                crowd.Evaluate(3); // of two there are
+                int all = 3 * levels.VertexCount, few = 3 * levels.Levels[2].VertexCount;
+                That(few < all, "the last level has fewer vertices");
+                CheckFace(crowd, 0, levels, new PoseBatch(1, crowd.Controls(0)) { Positions = new float[all] });
+                CheckFace(crowd, 2, levels, new PoseBatch(1, crowd.Controls(2)) { Positions = new float[all],
+                    Normals = new float[all], Lod = 1.5f });
+                CheckFace(crowd, 3, levels, new PoseBatch(1, crowd.Controls(3)) { Positions = new float[few],
+                    Normals = new float[few], Lod = 2, LevelOnly = true, BakedOrder = true });
+                Same(0L, crowd.ClampedCount(0), "clamped");
+                crowd.Controls(0).Fill(99);
+                float before = crowd.Positions(1)[4];
+                crowd.Controls(1).Fill(float.NaN);
+                crowd.SetSeen(1, false);
+                crowd.SetNormals(2, false);
+                crowd.Evaluate();
+                Same((long)levels.ControlCount, crowd.ClampedCount(0), "clamped");
+                Same(before, crowd.Positions(1)[4], "the pose of a face that nobody sees");
+                Same(0, crowd.Normals(2).Length, "normals that are not computed");
+                crowd.SetSeen(1, true);
+                That(Throws<FaceBakerException>(() => crowd.Evaluate()).Message.StartsWith("item 1: "), "it is posed again");
+                Throws<ArgumentOutOfRangeException>(() => crowd.SetLod(0, -1));
+                Throws<ArgumentOutOfRangeException>(() => crowd.SetLod(0, float.NaN));
+                Throws<ArgumentOutOfRangeException>(() => new Crowd(new[] { tiny }, -1));
+                Throws<IndexOutOfRangeException>(() => crowd.SetSeen(4, true));
+                Throws<IndexOutOfRangeException>(() => crowd.Normals(-1));
+            }
+        }
+
+        // batch: the outputs that the face has in the crowd.
+        private static void CheckFace(Crowd crowd, int face, Face model, in PoseBatch batch)
+        {
+            model.EvaluateBatch(in batch);
+            SameBits(batch.Positions, crowd.Positions(face), "positions of face " + face);
+            SameBits(batch.Normals, crowd.Normals(face), "normals of face " + face);
+        }
+
         public static void OptionsReachTheLibrary()
         {
             using (Face face = Face.Load(Fixture("levels.fbk")))

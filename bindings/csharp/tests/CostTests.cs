@@ -28,10 +28,12 @@ namespace FaceBaker.Tests
         {
             using (Face face = Face.Load(Fixture("driven.fbk")))
             using (var scratch = new Scratch(face, 2))
-            using (var instance = new FaceInstance(face))
             using (var turns = new ParallelForHandle(new OneByOne()))
+            using (var crowd = new Crowd(new[] { face, face, face }, 2))
             {
                 const int poses = 1000, batch = 32;
+                var instance = new FaceInstance(face);
+                crowd.SetNormals(1, true);
                 float[] controls = Widest(face), positions = new float[3 * face.VertexCount],
                     normals = new float[positions.Length];
                 float[] batchControls = new float[batch * face.ControlCount],
@@ -54,6 +56,11 @@ namespace FaceBaker.Tests
                         instance[0] = controls[0];
                         instance.Pose();
                         instance.Write(mesh, vertices);
+                        controls.CopyTo(crowd.Controls(0));
+                        crowd.SetLod(1, i % 3, true);
+                        crowd.SetSeen(2, i % 2 == 0);
+                        crowd.Evaluate(1);
+                        if (crowd.Positions(1).Length != crowd.Normals(1).Length) throw new Exception();
                         if (face.RestPositions.Length != positions.Length || face.Controls.Count == 0) throw new Exception();
                     }
                     for (int i = 0; i < 20; ++i)
@@ -66,6 +73,62 @@ namespace FaceBaker.Tests
                 Same(16L * 1000, AllocatedBy(() => { for (int i = 0; i < 1000; ++i) GC.KeepAlive(new object()); }, out none),
                      "bytes of 1,000 objects, which the count sees");
                 Console.WriteLine("        0 bytes allocated by " + poses + " poses of each kind");
+            }
+        }
+
+        // glibc's struct mallinfo2.
+        [StructLayout(LayoutKind.Sequential)]
+        private struct AllocatorFigures
+        {
+            public UIntPtr Arena, FreeChunks, FastBins, MappedRegions, MappedBytes, Unused, FastBytes, UsedBytes, FreeBytes, Top;
+        }
+
+        [DllImport("libc.so.6", CallingConvention = CallingConvention.Cdecl)]
+        private static extern AllocatorFigures mallinfo2();
+
+        private static long NativeBytes()
+        {
+            AllocatorFigures figures = mallinfo2();
+            return (long)((ulong)figures.UsedBytes + (ulong)figures.MappedBytes);
+        }
+
+        // A scratch of the fixture takes 4 kB, of the quickstart's face 0.5 MB.
+        public static void CharactersHaveNoWorkingMemoryOfTheirOwn()
+        {
+            const int count = 100;
+            using (Face face = Face.Load(Fixture("levels.fbk")))
+            {
+                new FaceInstance(face).Pose();
+                var faces = new Face[count];
+                for (int i = 0; i < count; ++i) faces[i] = face;
+                long before = NativeBytes();
+                var scratches = new Scratch[count];
+                for (int i = 0; i < count; ++i) scratches[i] = new Scratch(face);
+                That(NativeBytes() - before > 2000 * count, "the measure includes scratches");
+                foreach (Scratch scratch in scratches) scratch.Dispose();
+                before = NativeBytes();
+                using (var crowd = new Crowd(faces, 2))
+                {
+                    for (int i = 0; i < count; ++i) crowd.SetNormals(i, true);
+                    crowd.Evaluate();
+                    long outputs = sizeof(float) * (face.ControlCount + 6 * face.VertexCount);
+                    long each = (NativeBytes() - before) / count - outputs;
+                    That(each < 1000, each + " bytes a face of a crowd beside its outputs");
+                }
+                var instances = new FaceInstance[count];
+                before = NativeBytes();
+                long managed = GC.GetAllocatedBytesForCurrentThread();
+                for (int i = 0; i < count; ++i)
+                {
+                    instances[i] = new FaceInstance(face);
+                    instances[i].Pose();
+                }
+                managed = GC.GetAllocatedBytesForCurrentThread() - managed;
+                That(NativeBytes() - before < 50000, NativeBytes() - before + " bytes of instances in the library");
+                FaceInstance one = instances[0];
+                int numbers = one.Controls.Length + one.Positions.Length + one.Normals.Length + one.Tangents.Length +
+                    one.Sockets.Length + one.Joints.Length + one.Bounds.Length;
+                That(managed / count - sizeof(float) * numbers < 1000, managed / count + " bytes an instance");
             }
         }
 

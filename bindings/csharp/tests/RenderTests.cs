@@ -87,8 +87,8 @@ namespace FaceBaker.Tests
         {
             foreach (KeyValuePair<string, DumpedPoses> pair in Dumped())
                 using (Face face = Face.Load(pair.Key))
-                using (var instance = new FaceInstance(face))
                 {
+                    var instance = new FaceInstance(face);
                     That(instance.Pose(), "the first pose");
                     That(!instance.Pose(), "nothing was set");
                     SameBits(face.RestPositions, instance.Positions, "rest");

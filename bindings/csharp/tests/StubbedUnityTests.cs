@@ -38,20 +38,18 @@ namespace FaceBaker.Tests
             Control control = face.Controls[0];
             component.SetControl(control.Name, control.Maximum);
             Call(component, "LateUpdate");
-            using (var instance = new FaceInstance(face))
-            {
-                instance[0] = control.Maximum;
-                instance.Pose();
-                var render = new RenderMesh(face, 0, AxisConversion.ToUnity(face));
-                var expected = new float[render.VertexCount * render.VertexFloats];
-                instance.Write(render, expected);
-                UnityEngine.Mesh mesh = component.GetComponent<MeshFilter>().sharedMesh;
-                SameBits(expected, mesh.Streams[0], "vertices");
-                SameBits(render.Uvs, mesh.Streams[1], "texture coordinates");
-                Same(render.Parts.Count, mesh.Parts.Length, "parts");
-                That(mesh.bounds.min.x < mesh.bounds.max.x && mesh.bounds.min.z <= mesh.bounds.max.z, "bounds");
-                foreach (SubMeshDescriptor part in mesh.Parts) CheckPart(part, mesh, render.VertexFloats);
-            }
+            var instance = new FaceInstance(face);
+            instance[0] = control.Maximum;
+            instance.Pose();
+            var render = new RenderMesh(face, 0, AxisConversion.ToUnity(face));
+            var expected = new float[render.VertexCount * render.VertexFloats];
+            instance.Write(render, expected);
+            UnityEngine.Mesh mesh = component.GetComponent<MeshFilter>().sharedMesh;
+            SameBits(expected, mesh.Streams[0], "vertices");
+            SameBits(render.Uvs, mesh.Streams[1], "texture coordinates");
+            Same(render.Parts.Count, mesh.Parts.Length, "parts");
+            That(mesh.bounds.min.x < mesh.bounds.max.x && mesh.bounds.min.z <= mesh.bounds.max.z, "bounds");
+            foreach (SubMeshDescriptor part in mesh.Parts) CheckPart(part, mesh, render.VertexFloats);
             Matrix4x4 frame = component.GetSocket(0);
             float rest = face.Sockets[0].Frame[3] * AxisConversion.MetresPer(face.Units);
             That(Math.Abs(frame[0, 3] + rest) < 0.1 * face.Diagonal && frame[3, 3] == 1, "a socket near where it is at rest");
@@ -78,25 +76,23 @@ namespace FaceBaker.Tests
             foreach (Control control in face.Controls) component.SetControl(control.Index, control.Maximum);
             Call(component, "LateUpdate");
             Call(follower, "LateUpdate");
-            using (var instance = new FaceInstance(face))
+            var instance = new FaceInstance(face);
+            instance.SetControls(Widest(face));
+            instance.Pose();
+            var expected = new float[12];
+            for (int joint = 0; joint < face.DrivenJoints.Count; ++joint)
             {
-                instance.SetControls(Widest(face));
-                instance.Pose();
-                var expected = new float[12];
-                for (int joint = 0; joint < face.DrivenJoints.Count; ++joint)
+                AxisConversion.ToUnity(face).ApplyFrame(instance.Joints.Slice(12 * joint, 12), expected);
+                Matrix4x4 frame = component.GetDrivenJoint(joint), followed = follower.GetDrivenJoint(joint);
+                for (int i = 0; i < 12; ++i)
                 {
-                    AxisConversion.ToUnity(face).ApplyFrame(instance.Joints.Slice(12 * joint, 12), expected);
-                    Matrix4x4 frame = component.GetDrivenJoint(joint), followed = follower.GetDrivenJoint(joint);
-                    for (int i = 0; i < 12; ++i)
-                    {
-                        Same(expected[i], frame[i / 4, i % 4], face.DrivenJoints[joint].Name);
-                        Same(expected[i], followed[i / 4, i % 4], face.DrivenJoints[joint].Name + " of a follower");
-                    }
+                    Same(expected[i], frame[i / 4, i % 4], face.DrivenJoints[joint].Name);
+                    Same(expected[i], followed[i / 4, i % 4], face.DrivenJoints[joint].Name + " of a follower");
                 }
-                That(before[0, 0] != component.GetDrivenJoint(0)[0, 0], "the jaw turns");
-                Matrix4x4 socket = component.GetSocket(0), other = follower.GetSocket(0);
-                for (int i = 0; i < 12; ++i) Same(socket[i / 4, i % 4], other[i / 4, i % 4], "a socket of a follower");
             }
+            That(before[0, 0] != component.GetDrivenJoint(0)[0, 0], "the jaw turns");
+            Matrix4x4 socket = component.GetSocket(0), other = follower.GetSocket(0);
+            for (int i = 0; i < 12; ++i) Same(socket[i / 4, i % 4], other[i / 4, i % 4], "a socket of a follower");
             Throws<ArgumentOutOfRangeException>(() => component.GetDrivenJoint(face.DrivenJoints.Count));
             Call(follower, "OnDisable");
             Call(component, "OnDisable");

@@ -318,7 +318,6 @@ namespace FaceBaker.Unity
         {
             if (mesh != null) DestroyImmediate(mesh);
             if (vertices.IsCreated) vertices.Dispose();
-            if (instance != null) instance.Dispose();
             if (face != null) opened.Release();
             mesh = null;
             opened = null;
