@@ -7,7 +7,7 @@ import { heapOf } from "./heap.js";
 import { loadArchive, needMemory, type LoadLimits } from "./load_archive.js";
 import type { QuantisedOutputs } from "./quantised_poses.js";
 import { readExactCorrections, readRowBlocks, type RowBlock } from "./row_blocks.js";
-import { invalidArgument } from "./errors.js";
+import { FaceBakerError, invalidArgument } from "./errors.js";
 
 export interface LoadOptions extends FetchOptions {
   /** Where the WebAssembly module is, or its bytes; beside this script by default. */
@@ -28,6 +28,12 @@ export interface ExpectedError {
   regions: Float32Array;
   /** How many controls are outside of what was trained. */
   outside: number;
+}
+
+/** A pose of one of the characters that share a face, see Face.evaluateMany. */
+export interface CharacterPose<Wanted extends Outputs = Outputs> {
+  controls: Float32Array;
+  outputs: Wanted;
 }
 
 const forgotten = new FinalizationRegistry<Model>((model) => model.dispose());
@@ -147,6 +153,20 @@ export class Face implements FaceContents {
   evaluateBatch<Wanted extends Outputs>(controls: Float32Array, count: number, outputs: Wanted): Wanted {
     this.model.evaluateBatch(controls, count, outputs);
     return outputs;
+  }
+
+  /** Poses characters that share this face, each with outputs and a level of detail of its own. A character takes no
+   * memory but these arrays. Throws at the first pose that fails, with a message that begins with "character I: ". */
+  evaluateMany<Wanted extends Outputs>(poses: readonly CharacterPose<Wanted>[]): void {
+    poses.forEach(({ controls, outputs }, index) => {
+      try {
+        this.model.evaluateBatch(controls, 1, outputs);
+      } catch (error) {
+        if (error instanceof FaceBakerError)
+          throw new FaceBakerError(error.status, error.statusName, `character ${index}: ${error.message}`);
+        throw error;
+      }
+    });
   }
 
   /** The coefficients of a pose, all 0 at rest: what a GPU multiplies `rowBlocks` with. Of a face with driven joints

@@ -1,7 +1,8 @@
-// A loaded model with its scratch and the buffers that poses go through, in the module's memory.
+// A loaded model with its scratches, in the module's memory.
 import { invalidArgument } from "./errors.js";
 import type { Heap } from "./heap.js";
 import type { Exports } from "./instance.js";
+import { PoseRooms } from "./pose_rooms.js";
 import { Quantiser, type QuantisedOutputs } from "./quantised_poses.js";
 import { Staging } from "./staging.js";
 
@@ -68,12 +69,15 @@ export class Model {
   readonly controlCount: number;
   readonly coefficientCount: number;
   private readonly sizes: Record<ArrayName, number>; // of one pose
+  private sizesOfLevels: Record<ArrayName, number>[] | null = null;
   private readonly evaluateCall: Exports[string];
   private readonly evaluateBatchCall: Exports[string];
   private readonly fillDescCall: Exports[string];
   private readonly descSize: number;
+  private readonly rooms: PoseRooms;
   private scratch = 0;
-  private desc = 0;
+  private batchScratch = 0; // with room to evaluate several poses together, once there is a batch
+  private lastScratch = 0;
   private readonly controls: Staging;
   private readonly coefficients: Staging;
   private readonly meshList: Staging;
@@ -96,16 +100,21 @@ export class Model {
     this.evaluateBatchCall = heap.exports["fb_evaluate_batch"]!;
     this.fillDescCall = heap.exports["fb_batch_desc_fill"]!;
     this.descSize = heap.size("fb_batch_desc");
-    this.controls = new Staging(heap);
-    this.coefficients = new Staging(heap);
-    this.meshList = new Staging(heap);
-    this.regionList = new Staging(heap);
-    this.outputs = Object.fromEntries(names.map((name) => [name, new Staging(heap)])) as Record<ArrayName, Staging>;
-    this.quantiser = new Quantiser(heap, address, this.controlCount);
     try {
-      this.desc = heap.allocate(heap.size("fb_batch_desc"));
-      heap.check("fb_scratch_create", address, 1, this.desc);
-      this.scratch = heap.u32[this.desc >>> 2]!;
+      this.rooms = PoseRooms.enter(heap);
+    } catch (error) {
+      heap.call("fb_release", address);
+      throw error;
+    }
+    const staging = (name: string) => new Staging(heap, this.rooms.room(name));
+    this.controls = staging("controls");
+    this.coefficients = staging("coefficients");
+    this.meshList = staging("meshes");
+    this.regionList = staging("regions");
+    this.outputs = Object.fromEntries(names.map((name) => [name, staging(name)])) as Record<ArrayName, Staging>;
+    this.quantiser = new Quantiser(heap, address, this.controlCount, staging);
+    try {
+      this.scratch = this.lastScratch = this.createScratch("fb_scratch_create_single");
       this.controls.reserve(this.controlCount);
       this.outputs.positions.reserve(this.sizes.positions);
     } catch (error) {
@@ -120,6 +129,17 @@ export class Model {
     return this.address;
   }
 
+  private createScratch(create: string): number {
+    this.heap.check(create, this.address, 1, this.rooms.desc);
+    return this.heap.u32[this.rooms.desc >>> 2]!;
+  }
+
+  // Batches take less time with a scratch of their own, in four times the memory.
+  private scratchFor(poses: number): number {
+    if (poses > 1) this.batchScratch ||= this.createScratch("fb_scratch_create");
+    return (this.lastScratch = poses > 1 ? this.batchScratch : this.scratch);
+  }
+
   private putControls(controls: Float32Array, count: number): void {
     if (!(controls instanceof Float32Array) || controls.length < count * this.controlCount)
       throw invalidArgument(`controls: ${controls?.length} numbers, but ${count * this.controlCount} are needed`);
@@ -132,7 +152,7 @@ export class Model {
     const model = this.pointer;
     this.putControls(controls, 1);
     // Called without Heap.check, which would make an array of the arguments.
-    const status = this.evaluateCall(model, this.scratch, this.controls.address, this.outputs.positions.address);
+    const status = this.evaluateCall(model, this.scratchFor(1), this.controls.address, this.outputs.positions.address);
     if (status !== 0) this.heap.fail(status);
     return this.outputs.positions.floats(this.sizes.positions);
   }
@@ -143,13 +163,13 @@ export class Model {
       throw invalidArgument(`coefficients: ${coefficients.length} numbers, but ${this.coefficientCount} are needed`);
     this.coefficients.reserve(Math.max(this.coefficientCount, 1));
     this.putControls(controls, 1);
-    this.heap.check("fb_evaluate_coefficients", model, this.scratch, this.controls.address, this.coefficients.address);
+    this.heap.check("fb_evaluate_coefficients", model, this.scratchFor(1), this.controls.address, this.coefficients.address);
     coefficients.set(this.coefficients.floats(this.coefficientCount));
   }
 
   /** Quantises `count` poses. */
   quantise(controls: Float32Array, count: number, outputs: QuantisedOutputs): void {
-    this.quantiser.quantise(this.pointer, this.scratch, controls, count, outputs);
+    this.quantiser.quantise(this.pointer, this.scratchFor(count), controls, count, outputs);
   }
 
   expectedError(controls: Float32Array, errors: Float32Array): number {
@@ -159,7 +179,8 @@ export class Model {
     staging.reserve(this.sizes.expectedErrors);
     outside.reserve(1);
     this.putControls(controls, 1);
-    this.heap.check("fb_expected_error", model, this.scratch, this.controls.address, staging.address, outside.address);
+    this.heap.check("fb_expected_error", model, this.scratchFor(1), this.controls.address, staging.address,
+                    outside.address);
     errors.set(staging.floats(this.sizes.expectedErrors));
     return outside.numbers(1)[0]!;
   }
@@ -182,17 +203,20 @@ export class Model {
 
   // Vertices of a level alone.
   private levelSizes(lod: number): Record<ArrayName, number> {
-    const { heap } = this, last = heap.call("fb_level_count", this.pointer) - 1;
-    const index = Math.max(0, Math.min(Math.floor(lod), last));
-    const level = heap.fill("fb_level", (to) => heap.check("fb_level_at", this.pointer, index, to));
-    const vertices = 3 * level.vertex_count;
-    return { ...this.sizes, positions: vertices, normals: vertices, tangents: vertices };
+    const { heap } = this, model = this.pointer;
+    this.sizesOfLevels ??= Array.from({ length: heap.call("fb_level_count", model) }, (_, index) => {
+      const level = heap.fill("fb_level", (to) => heap.check("fb_level_at", model, index, to));
+      const numbers = 3 * level.vertex_count;
+      return { ...this.sizes, positions: numbers, normals: numbers, tangents: numbers };
+    });
+    const index = Math.min(Math.floor(lod), this.sizesOfLevels.length - 1);
+    return this.sizesOfLevels[index] ?? this.sizes; // that of no level is refused
   }
 
   private evaluateSome(controls: Float32Array, first: number, count: number, outputs: Outputs,
                        sizes: Record<ArrayName, number>): void {
-    const { heap, desc } = this, struct = "fb_batch_desc", model = this.pointer;
-    const n = this.controlCount;
+    const { heap } = this, { desc } = this.rooms, struct = "fb_batch_desc", model = this.pointer;
+    const n = this.controlCount, scratch = this.scratchFor(count);
     this.controls.reserve(count * n);
     for (const name of names) if (outputs[name]) this.outputs[name].reserve(count * sizes[name]);
     this.fillDescCall(desc, this.descSize);
@@ -217,13 +241,13 @@ export class Model {
       if (member.stride) heap.setU32(struct, desc, member.stride, sizes[name]);
       if (outputs.meshes) this.view(name, length).set(array.subarray(first * sizes[name], first * sizes[name] + length));
     }
-    const status = this.evaluateBatchCall(model, this.scratch, desc);
+    const status = this.evaluateBatchCall(model, scratch, desc);
     if (status !== 0) heap.fail(status);
     for (const name of names) outputs[name]?.set(this.view(name, count * sizes[name]), first * sizes[name]);
   }
 
   private setList(staging: Staging, indices: readonly number[], pointer: string, size: string): void {
-    const { heap, desc } = this;
+    const { heap } = this, { desc } = this.rooms;
     staging.reserve(Math.max(indices.length, 1));
     heap.u32.set(indices, staging.address >>> 2);
     heap.setU32("fb_batch_desc", desc, pointer, staging.address);
@@ -235,19 +259,16 @@ export class Model {
   }
 
   get clampedCount(): number {
-    return Number(this.heap.exports["fb_clamped_count"]!(this.scratch));
+    return Number(this.heap.exports["fb_clamped_count"]!(this.lastScratch));
   }
 
   /** Frees everything. May be called again. */
   dispose(): void {
     const { heap } = this;
-    for (const staging of [this.controls, this.coefficients, this.meshList, this.regionList,
-                           ...Object.values(this.outputs)])
-      staging.release();
-    this.quantiser.release();
-    if (this.desc) heap.release(this.desc);
-    if (this.scratch) heap.call("fb_scratch_destroy", this.scratch);
-    if (this.address) heap.call("fb_release", this.address);
-    this.desc = this.scratch = this.address = 0;
+    if (this.address === 0) return;
+    this.rooms.leave();
+    for (const scratch of [this.scratch, this.batchScratch]) if (scratch) heap.call("fb_scratch_destroy", scratch);
+    heap.call("fb_release", this.address);
+    this.scratch = this.batchScratch = this.lastScratch = this.address = 0;
   }
 }

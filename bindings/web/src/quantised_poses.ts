@@ -1,7 +1,7 @@
 // What a GPU computes positions of poses from, bit for bit: see "Poses for a GPU" in facebaker.h.
 import { invalidArgument } from "./errors.js";
 import type { Heap } from "./heap.js";
-import { Staging } from "./staging.js";
+import type { Staging } from "./staging.js";
 
 /** Arrays of what is computed of poses: each that is given is written, one pose after the other. */
 export interface QuantisedOutputs {
@@ -34,13 +34,15 @@ export class Quantiser {
   private readonly controls: Staging;
   private readonly outputs: Record<ArrayName, Staging>;
 
-  constructor(private readonly heap: Heap, model: number, private readonly controlCount: number) {
+  /** staging: buffers by name, which it uses in turn with others and does not free. */
+  constructor(private readonly heap: Heap, model: number, private readonly controlCount: number,
+              staging: (name: string) => Staging) {
     const count = (name: string) => heap.call(name, model);
     this.sizes = { quantised: count("fb_digit_column_count"), steps: count("fb_row_block_count"),
                    exactWeights: count("fb_exact_pose_count"), joints: 12 * count("fb_driven_joint_count") };
-    this.controls = new Staging(heap);
-    this.outputs = { quantised: new Staging(heap), steps: new Staging(heap), exactWeights: new Staging(heap),
-                     joints: new Staging(heap) };
+    this.controls = staging("controls");
+    this.outputs = { quantised: staging("quantised"), steps: staging("steps"), exactWeights: staging("exactWeights"),
+                     joints: staging("joints") };
   }
 
   quantise(model: number, scratch: number, controls: Float32Array, count: number, outputs: QuantisedOutputs): void {
@@ -82,10 +84,5 @@ export class Quantiser {
   private view(name: ArrayName, length: number): Float32Array | Int16Array {
     if (name !== "quantised") return this.outputs[name].floats(length);
     return new Int16Array(this.heap.exports.memory.buffer, this.outputs.quantised.address, length);
-  }
-
-  release(): void {
-    this.controls.release();
-    for (const staging of Object.values(this.outputs)) staging.release();
   }
 }

@@ -28,6 +28,11 @@ async function answer(request: Request, progress: (loaded: number, total: number
       face.evaluateBatch(controls, count, outputs);
       return [{ controls, outputs }, [controls.buffer as ArrayBuffer, ...outputBuffers(outputs)]];
     }
+    case "evaluateMany": {
+      face.evaluateMany(request.poses);
+      const outputs = request.poses.map((pose) => pose.outputs);
+      return [outputs, [...new Set(outputs.flatMap(outputBuffers))]];
+    }
     case "coefficients": {
       const coefficients = face.coefficients(request.controls);
       return [coefficients, [coefficients.buffer as ArrayBuffer]];

@@ -1,5 +1,6 @@
 // What a page and its worker say to each other. A page's messages have a number, and each is answered with it, in order.
 import type { FaceContents } from "./contents.js";
+import type { CharacterPose } from "./face.js";
 import type { Source } from "./fetch_bytes.js";
 import type { WasmSource } from "./instance.js";
 import type { LoadLimits } from "./load_archive.js";
@@ -10,6 +11,7 @@ export type Request =
   | { call: "load"; source: Source; wasm: WasmSource; limits: LoadLimits | undefined; progress: boolean }
   | { call: "evaluate"; controls: Float32Array; positions: Float32Array }
   | { call: "evaluateBatch"; controls: Float32Array; count: number; outputs: Outputs }
+  | { call: "evaluateMany"; poses: readonly CharacterPose[] }
   | { call: "coefficients"; controls: Float32Array }
   | { call: "expectedError"; controls: Float32Array }
   | { call: "rowBlocks" }
@@ -19,6 +21,7 @@ export interface Results {
   load: FaceContents;
   evaluate: { controls: Float32Array; positions: Float32Array };
   evaluateBatch: { controls: Float32Array; outputs: Outputs };
+  evaluateMany: Outputs[];
   coefficients: Float32Array;
   expectedError: { face: number; regions: Float32Array; outside: number };
   rowBlocks: readonly RowBlock[];

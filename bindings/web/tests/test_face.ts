@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
 import { FaceBakerError, load } from "facebaker";
+import { FaceBakerMesh } from "facebaker/three";
 import { Vector3 } from "three";
 import { frame } from "./frame_matrix.js";
 
@@ -155,6 +156,46 @@ test("a thousand faces that are disposed of take no memory", async () => {
   const before = await use();
   for (let i = 0; i < 1000; ++i) await use();
   assert.equal(await use(), before);
+});
+
+// A scratch takes 1.5 kB for this face, 0.5 MB for the quickstart's; one for batches ten times as much.
+test("characters take no memory of the module, and faces no room for batches", async () => {
+  const bytes = readFileSync(`${golden}/accepted/character.fbk`);
+  const wasm = readFileSync(new URL("../dist/facebaker.wasm", import.meta.url)); // an instance of its own
+  const face = await load(bytes, { wasm }), controls = face.createPose(), count = 2000;
+  const size = () => face.evaluateInPlace(controls).buffer.byteLength;
+  const outputs = () => ({ positions: new Float32Array(3 * face.vertexCount), normals: new Float32Array(3 * face.vertexCount) });
+  face.evaluateInto(controls, outputs());
+  const before = size();
+  const characters = Array.from({ length: count }, () => new FaceBakerMesh(face));
+  face.evaluateMany(characters.map((_, index) => ({ controls, outputs: { ...outputs(), lod: index % 2 } })));
+  assert.equal(size(), before);
+
+  const faces = await Promise.all(Array.from({ length: count / 2 }, () => load(bytes, { wasm })));
+  for (const other of faces) other.evaluateInto(controls, outputs());
+  const each = (size() - before) / faces.length - face.runtimeBytes;
+  for (const other of faces) other.evaluateBatch(new Float32Array(2 * face.controlCount), 2,
+                                                 { bounds: new Float32Array(12) });
+  const batches = (size() - before) / faces.length - face.runtimeBytes - each;
+  assert(each < 12000 && batches > 12000, `${each} bytes a face beside its model, ${batches} more for batches`);
+});
+
+test("faces of several sizes take turns", async () => {
+  const faces = await Promise.all(["tiny", "character", "levels", "tiny"].map(open));
+  const poses = faces.map((face) => face.createPose().fill(0.6));
+  const expected = faces.map((face, i) => face.evaluate(poses[i]!));
+  for (let round = 0; round < 2; ++round)
+    faces.forEach((face, i) => {
+      assert.deepEqual(face.evaluate(poses[i]!), expected[i]);
+      const bounds = new Float32Array(6), two = new Float32Array(2 * poses[i]!.length).fill(0.6);
+      assert.deepEqual(face.evaluateInto(poses[i]!, { positions: new Float32Array(expected[i]!.length), bounds }).positions,
+                       expected[i]);
+      const both = face.evaluateBatch(two, 2, { positions: new Float32Array(2 * expected[i]!.length) }).positions;
+      assert.deepEqual(both.subarray(expected[i]!.length), expected[i]);
+    });
+  faces[1]!.dispose();
+  assert.deepEqual(faces[0]!.evaluate(poses[0]!), expected[0]);
+  for (const face of faces) face.dispose();
 });
 
 test("posing into given arrays allocates nothing", async () => {

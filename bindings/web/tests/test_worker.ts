@@ -25,6 +25,27 @@ test("a worker poses, and buffers come back", async () => {
   here.dispose();
 });
 
+test("a worker poses many characters by one message", async () => {
+  const archive = `${golden}/accepted/levels.fbk`, here = await load(archive), there = await loadInWorker(archive);
+  const pose = (value: number, lod: number) => ({
+    controls: here.createPose().fill(value),
+    outputs: { lod, positions: new Float32Array(3 * here.vertexCount), bounds: new Float32Array(6) },
+  });
+  const given = [pose(0.2, 0), pose(0.4, 1), pose(0.6, 1.5)];
+  const found = await there.evaluateMany(given);
+  assert.equal(given[0]!.outputs.positions.length, 0); // moved, not copied
+  assert.equal(given[0]!.controls.length, here.controlCount); // copied
+  found.forEach((outputs, i) => {
+    const { controls, outputs: mine } = pose(0.2 * (i + 1), [0, 1, 1.5][i]!);
+    assert.deepEqual(outputs, here.evaluateInto(controls, mine));
+  });
+  const broken = [pose(0, 0), pose(NaN, 0)];
+  assert.throws(() => here.evaluateMany(broken), /^FaceBakerError: character 1: .*jaw_open/);
+  await assert.rejects(there.evaluateMany(broken), /^FaceBakerError: character 1: .*jaw_open/);
+  await there.dispose();
+  here.dispose();
+});
+
 test("a worker has the driven joints and gives their frames", async () => {
   const archive = `${golden}/../2.1/accepted/driven.fbk`;
   const here = await load(archive), there = await loadInWorker(archive), controls = here.createPose().fill(0.7);
