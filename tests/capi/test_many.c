@@ -249,6 +249,80 @@ static void wrong_shared_scratches_are_refused(void** state) {
   free_shared();
 }
 
+/* Counts the bytes that a model and its scratches hold. */
+static size_t held_bytes;
+static void* allocate_counted(void* user, size_t bytes, size_t alignment) {
+  (void)user;
+  void* all = malloc(bytes + alignment + sizeof(void*)); /* with where it begins before what is given out */
+  if (!all) return NULL;
+  held_bytes += bytes;
+  const uintptr_t first = ((uintptr_t)all + sizeof(void*) + alignment - 1) & ~(uintptr_t)(alignment - 1);
+  memcpy((void*)(first - sizeof(void*)), &all, sizeof(void*));
+  return (void*)first;
+}
+static void release_counted(void* user, void* memory, size_t bytes, size_t alignment) {
+  (void)user, (void)alignment;
+  void* all = NULL;
+  memcpy(&all, (char*)memory - sizeof(void*), sizeof(void*));
+  held_bytes -= bytes;
+  free(all);
+}
+
+/* Instances take the memory of the threads, however many there are, and their outputs. */
+static void instances_hold_no_memory(void** state) {
+  (void)state;
+  enum { instances = 100 };
+  fb_load_desc load;
+  fb_load_desc_init(&load);
+  load.allocator.allocate = allocate_counted;
+  load.allocator.release = release_counted;
+  fb_model* model = NULL;
+  assert_ok(fb_load(FB_LEVELS, &load, &model));
+  const size_t floats = 3 * (size_t)fb_vertex_count(model), width = fb_control_count(model);
+  float* outputs = malloc(instances * 2 * floats * sizeof *outputs);
+  float* controls = calloc(instances * width, sizeof *controls);
+  fb_batch_desc* batches = calloc(instances, sizeof *batches);
+  fb_many_item* characters = calloc(instances, sizeof *characters);
+  for (int i = 0; i < instances; ++i) {
+    fb_batch_desc* batch = &batches[i];
+    fb_batch_desc_init(batch);
+    batch->poses = 1;
+    batch->controls = controls + (size_t)i * width;
+    batch->control_floats = width;
+    batch->positions = outputs + (size_t)i * 2 * floats;
+    batch->normals = outputs + (size_t)i * 2 * floats + floats;
+    batch->position_floats = batch->normal_numbers = floats;
+    batch->lod = 0.5f * (float)(i % 5);
+    characters[i].model = model;
+    characters[i].batch = batch;
+  }
+  size_t before = held_bytes;
+  fb_scratch *pool = NULL, *own = NULL;
+  assert_ok(fb_scratch_create_single(model, 1, &own));
+  const size_t scratch_bytes = held_bytes - before;
+  assert_true(scratch_bytes > 1000);
+  fb_scratch_destroy(own);
+  assert_int_equal(held_bytes, before);
+  assert_ok(fb_scratch_create_single(model, 2, &pool));
+  fb_many_desc desc;
+  fb_many_desc_init(&desc);
+  desc.items = characters;
+  desc.scratches = &pool;
+  desc.scratch_count = 1;
+  desc.threads = 2;
+  for (desc.item_count = 1; desc.item_count <= instances; desc.item_count += 33) {
+    assert_ok(fb_evaluate_many(&desc, NULL));
+    assert_true(held_bytes - before <= 2 * scratch_bytes);
+  }
+  fb_scratch_destroy(pool);
+  fb_release(model);
+  assert_int_equal(held_bytes, 0);
+  free(characters);
+  free(batches);
+  free(controls);
+  free(outputs);
+}
+
 static void the_scheduler_of_a_batch_is_not_asked(void** state) {
   (void)state;
   Schedule schedule = {0, 0, 0, 0, 0};
@@ -347,6 +421,7 @@ int main(void) {
       cmocka_unit_test(faces_share_scratches),
       cmocka_unit_test(items_that_share_a_scratch_have_masks_of_their_own),
       cmocka_unit_test(wrong_shared_scratches_are_refused),
+      cmocka_unit_test(instances_hold_no_memory),
       cmocka_unit_test(the_scheduler_of_a_batch_is_not_asked),
       cmocka_unit_test(clamping_is_counted_by_item),
       cmocka_unit_test(items_that_fail_are_named_and_the_others_posed),
