@@ -9,6 +9,7 @@ namespace FaceBaker
     {
         private readonly float[] controls, positions, normals, tangents, sockets, joints;
         private readonly float[] bounds = new float[6];
+        private readonly int lastLevel;
         private bool posed;
         private float lod;
 
@@ -18,6 +19,7 @@ namespace FaceBaker
         {
             if (face == null) throw new ArgumentNullException(nameof(face));
             Face = face;
+            lastLevel = face.Levels.Count - 1;
             controls = face.RestControls.ToArray();
             positions = new float[3 * face.VertexCount];
             normals = new float[positions.Length];
@@ -67,6 +69,9 @@ namespace FaceBaker
             }
         }
 
+        /// <summary>The level of the last pose, whose triangles are drawn: <see cref="Lod"/> rounded down.</summary>
+        public int Level { get; private set; }
+
         /// <summary>Positions of the last pose: 3 x <see cref="FaceBaker.Face.VertexCount"/> floats, in the archive's axes and
         /// units.</summary>
         public ReadOnlySpan<float> Positions { get { return positions; } }
@@ -93,14 +98,16 @@ namespace FaceBaker
                 Positions = positions, Normals = normals, Tangents = tangents, Sockets = sockets, Joints = joints,
                 Bounds = bounds, Lod = lod
             });
+            Level = (int)Math.Min(lod, lastLevel);
             posed = true;
             return true;
         }
 
-        /// <summary>Writes the last pose of a mesh as <see cref="RenderMesh.Write"/> does.</summary>
+        /// <summary>Writes the last pose of a mesh, of the vertices of its <see cref="Level"/>, as <see cref="RenderMesh.Write"/>
+        /// does.</summary>
         public void Write(RenderMesh mesh, Span<float> vertices)
         {
-            mesh.Write(positions, normals, tangents, vertices);
+            mesh.Write(positions, normals, tangents, vertices, Level);
         }
     }
 }

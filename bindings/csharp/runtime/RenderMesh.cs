@@ -3,7 +3,7 @@ using System.Collections.Generic;
 
 namespace FaceBaker
 {
-    /// <summary>Consecutive triangles of a <see cref="RenderMesh"/> that have one material.</summary>
+    /// <summary>Consecutive triangles of a <see cref="RenderLevel"/> that have one material.</summary>
     public struct RenderPart
     {
         internal RenderPart(int material, int firstIndex, int indexCount)
@@ -15,17 +15,38 @@ namespace FaceBaker
 
         /// <summary>Index of a material of the face; -1: none.</summary>
         public readonly int Material;
-        /// <summary>Of <see cref="RenderMesh.Indices"/>.</summary>
+        /// <summary>Of <see cref="RenderLevel.Indices"/>.</summary>
         public readonly int FirstIndex;
         /// <summary>Three a triangle.</summary>
         public readonly int IndexCount;
     }
 
-    /// <summary>A mesh of a face as renderers take it: triangles, and a vertex for each pair of position and texture coordinate
-    /// that corners have. Made once, immutable; poses are written by <see cref="Write"/>.</summary>
+    /// <summary>What of a <see cref="RenderMesh"/> is drawn at a level of detail.</summary>
+    public sealed class RenderLevel
+    {
+        private readonly int[] indices;
+
+        internal RenderLevel(int vertexCount, int[] indices, RenderPart[] parts)
+        {
+            VertexCount = vertexCount;
+            this.indices = indices;
+            Parts = Array.AsReadOnly(parts);
+        }
+
+        /// <summary>Its triangles have the first so many of the mesh's vertices.</summary>
+        public int VertexCount { get; private set; }
+        /// <summary>Vertices of triangles, in three each; there may be none.</summary>
+        public ReadOnlySpan<int> Indices { get { return indices; } }
+        /// <summary>The triangles by material: as many parts, of the same materials, at every level.</summary>
+        public IReadOnlyList<RenderPart> Parts { get; private set; }
+    }
+
+    /// <summary>A mesh of a face as renderers take it, at every level of detail: triangles, and a vertex for each pair of
+    /// position and texture coordinate that corners have. Vertices of coarse levels come first, so that one buffer serves all.
+    /// Made once, immutable; poses are written by <see cref="Write"/>.</summary>
     public sealed unsafe class RenderMesh
     {
-        private readonly int[] sources, indices;
+        private readonly int[] sources;
         private readonly float[] uvs, signs;
 
         /// <summary>The mesh at an index of <see cref="Face.Meshes"/>, in an engine's axes.</summary>
@@ -38,9 +59,10 @@ namespace FaceBaker
             Face = face;
             Axes = axes;
             Mesh = face.Meshes[mesh];
-            var made = new Corners(face, Mesh);
-            indices = made.Triangles(axes.LeftHanded, out IReadOnlyList<RenderPart> parts);
-            Parts = parts;
+            var made = new Corners(face, Mesh, axes.LeftHanded);
+            var levels = new RenderLevel[face.Levels.Count];
+            for (int i = levels.Length; i-- > 0;) levels[i] = made.Add(face.Levels[i], mesh);
+            Levels = Array.AsReadOnly(levels);
             sources = made.Sources.ToArray();
             uvs = made.Uvs.ToArray();
             HasTangents = uvs.Length > 0;
@@ -66,28 +88,32 @@ namespace FaceBaker
         public ReadOnlySpan<int> Sources { get { return sources; } }
         /// <summary>Two floats a vertex; empty without texture coordinates.</summary>
         public ReadOnlySpan<float> Uvs { get { return uvs; } }
-        /// <summary>Vertices of triangles, in three each.</summary>
-        public ReadOnlySpan<int> Indices { get { return indices; } }
-        /// <summary>The triangles by material.</summary>
-        public IReadOnlyList<RenderPart> Parts { get; private set; }
+        /// <summary>What is drawn at each of <see cref="Face.Levels"/>.</summary>
+        public IReadOnlyList<RenderLevel> Levels { get; private set; }
+        /// <summary>Those of level 0.</summary>
+        public ReadOnlySpan<int> Indices { get { return Levels[0].Indices; } }
+        /// <summary>Those of level 0.</summary>
+        public IReadOnlyList<RenderPart> Parts { get { return Levels[0].Parts; } }
 
         /// <summary>Writes posed vertices, interleaved: position, normal, tangent with its sign. positions, normals and
-        /// tangents are of the whole face, as a batch gives them; tangents may be empty where there are none. vertices: <see
-        /// cref="VertexCount"/> x <see cref="VertexFloats"/>. Allocates nothing.</summary>
+        /// tangents are of the whole face, as a batch gives them; tangents may be empty where there are none. vertices: of those
+        /// that a level draws, <see cref="RenderLevel.VertexCount"/> x <see cref="VertexFloats"/>. Allocates nothing.</summary>
         /// <exception cref="ArgumentException">A span is too short.</exception>
+        /// <exception cref="ArgumentOutOfRangeException">There is no such level.</exception>
         public void Write(ReadOnlySpan<float> positions, ReadOnlySpan<float> normals, ReadOnlySpan<float> tangents,
-                          Span<float> vertices)
+                          Span<float> vertices, int level = 0)
         {
+            int count = Levels[level].VertexCount;
             int needed = 3 * Face.VertexCount;
             if (positions.Length < needed) throw new ArgumentException("Too few positions.", nameof(positions));
             if (normals.Length < needed) throw new ArgumentException("Too few normals.", nameof(normals));
             if (HasTangents && tangents.Length < needed) throw new ArgumentException("Too few tangents.", nameof(tangents));
-            if (vertices.Length < VertexCount * VertexFloats)
+            if (vertices.Length < count * VertexFloats)
                 throw new ArgumentException("Too few vertices.", nameof(vertices));
             fixed (int* source = sources)
             fixed (float* sign = signs, position = &Reference(positions), normal = &Reference(normals),
                    tangent = &Reference(tangents), vertex = &Reference(vertices))
-                WriteVertices(source, VertexCount, position, normal, HasTangents ? tangent : null, sign, Axes, vertex);
+                WriteVertices(source, count, position, normal, HasTangents ? tangent : null, sign, Axes, vertex);
         }
 
         private static ref float Reference(ReadOnlySpan<float> span)
@@ -113,23 +139,21 @@ namespace FaceBaker
             }
         }
 
-        // Corners of polygons become vertices.
+        // Corners of polygons become vertices, level after level.
         private sealed class Corners
         {
             private readonly Face face;
-            private readonly FaceMesh mesh;
+            private readonly FaceMesh whole;
+            private readonly bool turned;
             private readonly Dictionary<ulong, int> known = new Dictionary<ulong, int>();
-            private readonly List<int> vertices = new List<int>(); // of each corner
             public readonly List<int> Sources = new List<int>();
             public readonly List<float> Uvs = new List<float>();
 
-            public Corners(Face face, FaceMesh mesh)
+            public Corners(Face face, FaceMesh whole, bool turned)
             {
                 this.face = face;
-                this.mesh = mesh;
-                ReadOnlySpan<uint> corners = face.PolygonCorners, uvCorners = face.UvCorners;
-                for (int i = mesh.FirstCorner; i < mesh.FirstCorner + mesh.CornerCount; ++i)
-                    vertices.Add(VertexOf(corners[i], uvCorners.Length > 0 ? (long)uvCorners[i] : -1));
+                this.whole = whole;
+                this.turned = turned;
             }
 
             private int VertexOf(uint source, long uv)
@@ -148,30 +172,59 @@ namespace FaceBaker
                 return vertex;
             }
 
-            // Polygons as fans.
-            public int[] Triangles(bool turned, out IReadOnlyList<RenderPart> parts)
+            public RenderLevel Add(FaceLevel level, int meshIndex)
             {
-                var triangles = new List<int>();
-                var made = new List<RenderPart>();
-                int polygon = mesh.FirstPolygon, corner = 0;
+                FaceMesh mesh = level.Meshes[meshIndex];
+                var triangles = new List<int>[whole.Runs.Count];
+                for (int i = 0; i < triangles.Length; ++i) triangles[i] = new List<int>();
+                int polygon = mesh.FirstPolygon, corner = mesh.FirstCorner, next = 0;
                 foreach (MaterialRun run in mesh.Runs)
                 {
-                    int first = triangles.Count;
+                    int part = PartOf(run.Material, next);
                     for (int end = polygon + run.PolygonCount; polygon < end; ++polygon)
                     {
-                        int size = (int)face.PolygonSizes[polygon];
-                        for (int i = 2; i < size; ++i)
-                        {
-                            triangles.Add(vertices[corner]);
-                            triangles.Add(vertices[corner + (turned ? i : i - 1)]);
-                            triangles.Add(vertices[corner + (turned ? i - 1 : i)]);
-                        }
+                        int size = (int)level.PolygonSizes[polygon];
+                        if (part >= 0) AddPolygon(level, corner, size, triangles[part]);
                         corner += size;
                     }
-                    made.Add(new RenderPart(run.Material, first, triangles.Count - first));
+                    if (part >= 0) next = part + 1;
                 }
-                parts = made.AsReadOnly();
-                return triangles.ToArray();
+                var indices = new List<int>();
+                var parts = new RenderPart[triangles.Length];
+                for (int i = 0; i < parts.Length; ++i)
+                {
+                    parts[i] = new RenderPart(whole.Runs[i].Material, indices.Count, triangles[i].Count);
+                    indices.AddRange(triangles[i]);
+                }
+                return new RenderLevel(Sources.Count, indices.ToArray(), parts);
+            }
+
+            // The run of the whole mesh that a level's run belongs to: the next one of its material, or else the first.
+            private int PartOf(int material, int from)
+            {
+                int count = whole.Runs.Count;
+                for (int i = 0; i < count; ++i)
+                    if (whole.Runs[(from + i) % count].Material == material) return (from + i) % count;
+                return -1;
+            }
+
+            // As a fan.
+            private void AddPolygon(FaceLevel level, int corner, int size, List<int> triangles)
+            {
+                int first = VertexAt(level, corner), last = VertexAt(level, corner + 1);
+                for (int i = 2; i < size; ++i)
+                {
+                    int other = VertexAt(level, corner + i);
+                    triangles.Add(first);
+                    triangles.Add(turned ? other : last);
+                    triangles.Add(turned ? last : other);
+                    last = other;
+                }
+            }
+
+            private int VertexAt(FaceLevel level, int corner)
+            {
+                return VertexOf(level.PolygonCorners[corner], level.UvCorners.Length > 0 ? (long)level.UvCorners[corner] : -1);
             }
         }
     }

@@ -14,44 +14,59 @@ namespace FaceBaker.Tests
                     {
                         var plain = new RenderMesh(face, m, AxisConversion.None);
                         var unity = new RenderMesh(face, m, AxisConversion.ToUnity(face));
-                        FaceMesh mesh = face.Meshes[m];
-                        int triangles = mesh.CornerCount - 2 * mesh.PolygonCount;
-                        Same(3 * triangles, plain.Indices.Length, "indices");
-                        int indices = 0;
-                        foreach (RenderPart part in plain.Parts)
+                        Same(face.Levels.Count, plain.Levels.Count, "levels");
+                        Same(plain.VertexCount, plain.Levels[0].VertexCount, "vertices of the whole");
+                        for (int i = 0; i < plain.Levels.Count; ++i)
                         {
-                            Same(indices, part.FirstIndex, "first index");
-                            indices += part.IndexCount;
+                            RenderLevel level = plain.Levels[i], turned = unity.Levels[i];
+                            FaceMesh mesh = face.Levels[i].Meshes[m];
+                            That(i == 0 || level.VertexCount <= plain.Levels[i - 1].VertexCount, "coarser levels have less");
+                            CheckParts(mesh, level, plain.Parts);
+                            for (int k = 0; k < level.Indices.Length; k += 3)
+                            {
+                                Same(level.Indices[k], turned.Indices[k], "first corner");
+                                Same(level.Indices[k + 1], turned.Indices[k + 2], "turned round");
+                            }
+                            CheckCorners(face, face.Levels[i], mesh, plain, level);
                         }
-                        Same(plain.Indices.Length, indices, "indices of parts");
-                        for (int i = 0; i < plain.Indices.Length; i += 3)
-                        {
-                            Same(plain.Indices[i], unity.Indices[i], "first corner");
-                            Same(plain.Indices[i + 1], unity.Indices[i + 2], "turned round");
-                        }
+                        FaceMesh whole = face.Meshes[m];
                         foreach (int source in plain.Sources)
-                            That(source >= mesh.FirstVertex && source < mesh.FirstVertex + mesh.VertexCount,
+                            That(source >= whole.FirstVertex && source < whole.FirstVertex + whole.VertexCount,
                                 "vertex of the mesh");
-                        CheckCorners(face, mesh, plain);
                     }
         }
 
+        private static void CheckParts(FaceMesh mesh, RenderLevel level, IReadOnlyList<RenderPart> whole)
+        {
+            Same(3 * (mesh.CornerCount - 2 * mesh.PolygonCount), level.Indices.Length, "indices");
+            Same(whole.Count, level.Parts.Count, "parts");
+            int indices = 0;
+            for (int i = 0; i < whole.Count; ++i)
+            {
+                Same(indices, level.Parts[i].FirstIndex, "first index");
+                Same(whole[i].Material, level.Parts[i].Material, "material");
+                indices += level.Parts[i].IndexCount;
+            }
+            Same(level.Indices.Length, indices, "indices of parts");
+        }
+
         // The corners of the first triangle of every polygon.
-        private static void CheckCorners(Face face, FaceMesh mesh, RenderMesh render)
+        private static void CheckCorners(Face face, FaceLevel level, FaceMesh mesh, RenderMesh render, RenderLevel drawn)
         {
             int corner = mesh.FirstCorner, index = 0;
             for (int p = mesh.FirstPolygon; p < mesh.FirstPolygon + mesh.PolygonCount; ++p)
             {
                 for (int i = 0; i < 3; ++i)
                 {
-                    int vertex = render.Indices[index + i];
-                    Same((int)face.PolygonCorners[corner + i], render.Sources[vertex], "vertex of a corner");
-                    if (face.UvCorners.Length == 0) continue;
-                    int uv = (int)face.UvCorners[corner + i];
+                    int vertex = drawn.Indices[index + i];
+                    That(vertex < drawn.VertexCount, "a vertex that is written");
+                    Same((int)level.PolygonCorners[corner + i], render.Sources[vertex], "vertex of a corner");
+                    if (level.UvCorners.Length == 0) continue;
+                    int uv = (int)level.UvCorners[corner + i];
                     SameBits(face.Uvs.Slice(2 * uv, 2), render.Uvs.Slice(2 * vertex, 2), "texture coordinates");
                 }
-                corner += (int)face.PolygonSizes[p];
-                index += 3 * ((int)face.PolygonSizes[p] - 2);
+                corner += (int)level.PolygonSizes[p];
+                index += 3 * ((int)level.PolygonSizes[p] - 2);
             }
         }
 
@@ -119,6 +134,13 @@ namespace FaceBaker.Tests
                     }
                     Throws<ArgumentException>(() => instance.Write(plain, new float[one.Length - 1]));
                     Throws<ArgumentException>(() => instance.SetControls(new float[face.ControlCount + 1]));
+                    instance.Lod = 1.5f;
+                    instance.Pose();
+                    Same(Math.Min(1, face.Levels.Count - 1), instance.Level, "level");
+                    var few = new float[plain.Levels[instance.Level].VertexCount * plain.VertexFloats];
+                    instance.Write(plain, few);
+                    SameBits(instance.Positions.Slice(3 * plain.Sources[0], 3), new ReadOnlySpan<float>(few, 0, 3), "position");
+                    instance.Lod = 0;
                     instance[0] = float.NaN;
                     Throws<FaceBakerException>(() => instance.Pose());
                     instance[0] = face.Controls[0].Rest;

@@ -98,6 +98,66 @@ namespace FaceBaker.Tests
             Call(component, "OnDisable");
         }
 
+        public static void TheTrianglesAreThoseOfTheLevel()
+        {
+            FaceBakerFace component = Open("levels.fbk");
+            Face face = component.Face;
+            var render = new RenderMesh(face, 0, AxisConversion.ToUnity(face));
+            var instance = new FaceInstance(face);
+            UnityEngine.Mesh mesh = component.GetComponent<MeshFilter>().sharedMesh;
+            That(render.Levels[2].Indices.Length < render.Levels[1].Indices.Length, "coarser levels have fewer triangles");
+            foreach (float lod in new[] { 0, 2, 1.5f, 9, 0.5f })
+            {
+                component.LevelOfDetail = instance.Lod = lod;
+                component.SetControl(0, face.Controls[0].Maximum * 0.05f * (1 + lod));
+                instance[0] = face.Controls[0].Maximum * 0.05f * (1 + lod);
+                Call(component, "LateUpdate");
+                instance.Pose();
+                RenderLevel level = render.Levels[Math.Min((int)lod, 2)];
+                var expected = new float[level.VertexCount * render.VertexFloats];
+                instance.Write(render, expected);
+                SameBits(expected, new ReadOnlySpan<float>(mesh.Streams[0], 0, expected.Length), "vertices");
+                int drawn = 0;
+                foreach (SubMeshDescriptor part in mesh.Parts)
+                {
+                    CheckPart(part, mesh, render.VertexFloats);
+                    drawn += part.indexCount;
+                }
+                Same(level.Indices.Length, drawn, "indices that are drawn");
+                for (int i = 0; i < drawn; ++i) Same(level.Indices[i], mesh.Indices[i], "index");
+            }
+            Call(component, "OnDisable");
+        }
+
+        public static void AFaceThatNobodySeesIsNotPosed()
+        {
+            FaceBakerFace component = Open("tiny.fbk");
+            UnityEngine.Mesh mesh = component.GetComponent<MeshFilter>().sharedMesh;
+            float before = 0;
+            Func<bool> changes = () =>
+            {
+                float last = before;
+                before = 0;
+                foreach (float number in mesh.Streams[0]) before += Math.Abs(number);
+                return before != last;
+            };
+            changes();
+            component.GetComponent<MeshRenderer>().isVisible = false;
+            component.SetControl(0, component.Face.Controls[0].Maximum);
+            Call(component, "LateUpdate");
+            That(!changes(), "nobody sees it");
+            component.UpdateWhenOffscreen = true;
+            Call(component, "LateUpdate");
+            That(changes(), "it is posed where that is asked for");
+            component.UpdateWhenOffscreen = false;
+            component.ResetControls();
+            Call(component, "LateUpdate");
+            That(!changes(), "and not otherwise");
+            Call(component, "OnBecameVisible");
+            That(changes(), "it is posed in the moment in which a camera sees it");
+            Call(component, "OnDisable");
+        }
+
         // Its ranges hold all its indices and nothing else, its bounds all its vertices.
         private static void CheckPart(SubMeshDescriptor part, UnityEngine.Mesh mesh, int floats)
         {

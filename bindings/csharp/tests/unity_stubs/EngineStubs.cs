@@ -198,7 +198,13 @@ namespace UnityEngine
     public class MonoBehaviour : Behaviour { }
     public class Transform : Component { public void SetParent(Transform parent, bool keepsWorld) { } }
     public class MeshFilter : Component { public Mesh sharedMesh { get; set; } }
-    public class MeshRenderer : Component { public Material[] sharedMaterials { get; set; } }
+    public class Renderer : Component
+    {
+        public bool isVisible { get; set; } = true; // in the stub's one frame
+        public Material[] sharedMaterials { get; set; }
+    }
+
+    public class MeshRenderer : Renderer { }
     public class Shader : Object { public static Shader Find(string name) { return new Shader(); } }
     public class Texture : Object { }
     public class Texture2D : Texture { public Texture2D(int width, int height) { } }

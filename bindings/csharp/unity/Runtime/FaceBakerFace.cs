@@ -21,6 +21,7 @@ namespace FaceBaker.Unity
         [SerializeField, HideInInspector] private float[] values = new float[0];
         [SerializeField, HideInInspector] private string[] names = new string[0]; // of the controls that have these values
         [SerializeField, Min(0)] private float levelOfDetail;
+        [SerializeField] private bool updateWhenOffscreen;
 
         private Face face;
         private FaceBakerAsset opened; // where the face comes from
@@ -28,8 +29,10 @@ namespace FaceBaker.Unity
         private RenderMesh render;
         private UnityEngine.Mesh mesh;
         private NativeArray<float> vertices;
-        private SubMeshDescriptor[] parts;
-        private int poseCount, written = -1;
+        private MeshRenderer shower;
+        private int[][] indices; // of each level
+        private SubMeshDescriptor[][] parts;
+        private int poseCount, written = -1, shownLevel = -1;
 
         /// <summary>The archive. Setting it puts all controls at rest.</summary>
         public FaceBakerAsset Asset
@@ -90,11 +93,20 @@ namespace FaceBaker.Unity
         /// <summary>The loaded face; null while the component is disabled, or without an asset.</summary>
         public Face Face { get { return face; } }
 
-        /// <summary>0: the whole; see <see cref="FaceInstance.Lod"/>.</summary>
+        /// <summary>0: the whole; see <see cref="FaceInstance.Lod"/>. The triangles of the level that it is rounded down to are
+        /// drawn.</summary>
         public float LevelOfDetail
         {
             get { return levelOfDetail; }
             set { levelOfDetail = Mathf.Max(0, value); }
+        }
+
+        /// <summary>Whether it is posed while no camera sees it, too: for sockets and joints that are asked for all the same.
+        /// </summary>
+        public bool UpdateWhenOffscreen
+        {
+            get { return updateWhenOffscreen; }
+            set { updateWhenOffscreen = value; }
         }
 
         /// <summary>The value of a control, from then on until it is set again.</summary>
@@ -181,7 +193,16 @@ namespace FaceBaker.Unity
 
         private void LateUpdate()
         {
-            if (face == null) return;
+            if (face != null && (updateWhenOffscreen || shower.isVisible)) Show();
+        }
+
+        private void OnBecameVisible()
+        {
+            if (face != null) Show();
+        }
+
+        private void Show()
+        {
             FaceBakerFace from = Shown;
             if (!from.Pose()) return;
             if (written == from.poseCount) return;
@@ -267,15 +288,30 @@ namespace FaceBaker.Unity
             if (render.HasTangents) mesh.SetVertexBufferParams(render.VertexCount, position, normal, tangent, uv);
             else mesh.SetVertexBufferParams(render.VertexCount, position, normal);
             if (render.HasTangents) mesh.SetVertexBufferData(render.Uvs.ToArray(), 0, 0, render.Uvs.Length, 1, Quiet);
-            int[] indices = render.Indices.ToArray();
-            mesh.SetIndexBufferParams(indices.Length, IndexFormat.UInt32);
-            mesh.SetIndexBufferData(indices, 0, 0, indices.Length, Quiet);
-            mesh.subMeshCount = render.Parts.Count;
-            parts = new SubMeshDescriptor[render.Parts.Count];
-            for (int i = 0; i < parts.Length; ++i) parts[i] = Describe(render.Parts[i], indices);
+            MakeLevels();
+            shower = GetComponent<MeshRenderer>();
             if (Pose()) WriteMesh(instance);
             GetComponent<MeshFilter>().sharedMesh = mesh;
             written = -1;
+        }
+
+        // One index buffer has room for the triangles of any level.
+        private void MakeLevels()
+        {
+            int most = 0;
+            indices = new int[render.Levels.Count][];
+            parts = new SubMeshDescriptor[indices.Length][];
+            for (int level = 0; level < indices.Length; ++level)
+            {
+                indices[level] = render.Levels[level].Indices.ToArray();
+                most = Math.Max(most, indices[level].Length);
+                parts[level] = new SubMeshDescriptor[render.Parts.Count];
+                for (int i = 0; i < parts[level].Length; ++i)
+                    parts[level][i] = Describe(render.Levels[level].Parts[i], indices[level]);
+            }
+            mesh.SetIndexBufferParams(most, IndexFormat.UInt32);
+            mesh.subMeshCount = render.Parts.Count;
+            shownLevel = -1;
         }
 
         // With the range of vertices, which Unity leaves to the caller where it does not compute bounds.
@@ -300,16 +336,19 @@ namespace FaceBaker.Unity
 
         private unsafe void WriteMesh(FaceInstance from)
         {
+            int level = from.Level;
             from.Write(render, new Span<float>(vertices.GetUnsafePtr(), vertices.Length));
-            mesh.SetVertexBufferData(vertices, 0, 0, vertices.Length, 0, Quiet);
+            mesh.SetVertexBufferData(vertices, 0, 0, render.Levels[level].VertexCount * render.VertexFloats, 0, Quiet);
+            if (level != shownLevel) mesh.SetIndexBufferData(indices[level], 0, 0, indices[level].Length, Quiet);
+            shownLevel = level;
             float* corners = stackalloc float[6];
             render.Axes.ApplyBounds(from.Bounds, new Span<float>(corners, 6));
             var bounds = new Bounds();
             bounds.SetMinMax(new Vector3(corners[0], corners[1], corners[2]), new Vector3(corners[3], corners[4], corners[5]));
-            for (int i = 0; i < parts.Length; ++i)
+            for (int i = 0; i < parts[level].Length; ++i)
             {
-                parts[i].bounds = bounds;
-                mesh.SetSubMesh(i, parts[i], Quiet);
+                parts[level][i].bounds = bounds;
+                mesh.SetSubMesh(i, parts[level][i], Quiet);
             }
             mesh.bounds = bounds;
         }
