@@ -132,7 +132,7 @@ namespace FaceBaker
         /// <summary>Length of the diagonal of the rest mesh's bounding box, in units.</summary>
         public double Diagonal { get; private set; }
 
-        /// <summary>Bytes of memory that the model takes to evaluate poses, without singles.</summary>
+        /// <summary>Bytes of memory that the model takes to evaluate poses, without scratches.</summary>
         public long RuntimeBytes
         {
             get { return (long)Native.fb_runtime_bytes(Handle); }
@@ -149,6 +149,28 @@ namespace FaceBaker
         public int FindControl(string name)
         {
             return Find(name, Native.fb_find_control);
+        }
+
+        /// <summary>The index of a control by the hash of its name, as <c>facebaker header</c> writes it.</summary>
+        /// <exception cref="FaceBakerException">There is none.</exception>
+        public int FindControl(ulong hash)
+        {
+            uint index;
+            Native.Check(Native.fb_find_control_hash(Handle, hash, &index));
+            return (int)index;
+        }
+
+        /// <summary>Blends two poses as controls, from at share 0 and to at 1, clamped to their ranges. An empty `to` is the
+        /// mirror of `from`. `blended` may be either.</summary>
+        /// <exception cref="ArgumentException">A pose has too few values.</exception>
+        /// <exception cref="FaceBakerException">A control or the share is NaN.</exception>
+        public void Blend(ReadOnlySpan<float> from, ReadOnlySpan<float> to, float share, Span<float> blended)
+        {
+            RequirePose(from.Length, nameof(from));
+            if (to.Length > 0) RequirePose(to.Length, nameof(to));
+            RequirePose(blended.Length, nameof(blended));
+            fixed (float* first = from, second = to, result = blended)
+                Native.Check(Native.fb_blend_controls(Handle, first, to.Length > 0 ? second : null, share, result));
         }
 
         /// <summary>The index of a mesh by its name.</summary>
@@ -187,6 +209,12 @@ namespace FaceBaker
         }
 
         private delegate int Finder(ModelHandle model, byte* name, uint* index);
+
+        private void RequirePose(int length, string name)
+        {
+            if (length < ControlCount)
+                throw new ArgumentException(length + " values, but a pose has " + ControlCount + ".", name);
+        }
 
         private int Find(string name, Finder finder)
         {

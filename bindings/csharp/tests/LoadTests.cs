@@ -71,6 +71,19 @@ namespace FaceBaker.Tests
                 Same(0, face.FindControl(name), "index");
                 Throws<ArgumentException>(() => face.FindControl(name + "\0x"));
                 Throws<ArgumentNullException>(() => face.FindControl(null));
+                const ulong jawOpen = 0x251683c4c174b423UL; // as facebaker header writes it
+                Same(face.FindControl("jaw_open"), face.FindControl(jawOpen), "index by hash");
+                Throws<FaceBakerException>(() => face.FindControl(42UL));
+                float[] rest = face.RestControls.ToArray(), open = (float[])rest.Clone(), half = new float[rest.Length];
+                int jaw = face.FindControl("jaw_open");
+                open[jaw] = face.Controls[jaw].Maximum;
+                face.Blend(rest, open, 0.5f, half);
+                Same((rest[jaw] + open[jaw]) / 2, half[jaw], "half way");
+                face.Blend(open, default, 1, half);
+                Same(open[jaw], half[jaw], "a control without a partner, mirrored");
+                Throws<ArgumentException>(() => face.Blend(rest, open, 0.5f, new float[1]));
+                open[jaw] = float.NaN;
+                Throws<FaceBakerException>(() => face.Blend(rest, open, 0.5f, half));
             }
             Throws<ArgumentNullException>(() => Face.Load((string)null));
             Throws<ArgumentNullException>(() => Face.Load((byte[])null));

@@ -97,6 +97,22 @@ class Face(FaceContents):
         """The index of a control by its name, its ARKit name or its FACS name; the error names the closest there is."""
         return self._found(library.fb_find_control, name)
 
+    def find_hash(self, name_hash: int) -> int:
+        """The index of a control by the hash of its name, as `facebaker header` writes it. Raises NotFoundError."""
+        index = ctypes.c_uint32()
+        check(library.fb_find_control_hash(self._handle, name_hash, byref(index)))
+        return index.value
+
+    def blend(self, first: Controls, other: Optional[Controls], share: float) -> Floats:
+        """(controls,), float32: between two poses as controls, the first at share 0 and the other at 1, clamped to their
+        ranges. other: None is the mirror of the first. Raises ValueError on NaN."""
+        begin = self._one_pose(first)
+        end = None if other is None else self._one_pose(other)
+        blended = np.empty_like(self.rest_controls)
+        to = None if end is None else end.ctypes.data
+        check(library.fb_blend_controls(self._handle, begin.ctypes.data, to, share, blended.ctypes.data))
+        return blended
+
     def find_controls(self, chosen: Chosen) -> Indices:
         """(chosen,), uint32: indices of controls by names of controls, as find() takes them, names of control groups and
         indices, or by a mask, (controls,); in the order in which they are chosen, each once. What is the name of a

@@ -84,6 +84,19 @@ class FaceTest(unittest.TestCase):
         pose[face.find("jaw_open")] = 1
         self.assertFalse(numpy.array_equal(face.evaluate(pose), face.rest_positions))
 
+    def test_poses_are_blended_and_controls_found_by_hash(self):
+        face = self.face
+        self.assertEqual(face.find_hash(0x251683C4C174B423), face.find("jaw_open"))  # as `facebaker header` writes it
+        with self.assertRaises(facebaker.NotFoundError):
+            face.find_hash(42)
+        first, other = random_poses(face, 2)
+        self.assertTrue(numpy.array_equal(face.blend(first, other, 0), numpy.clip(first, *face.ranges.T)))
+        half = face.blend(first, other, 0.5)
+        self.assertLess(abs(half - (first + other) / 2).max(), 1e-5)
+        self.assertTrue(numpy.array_equal(face.blend(first, None, 1), first))  # no control of this face has a partner
+        with self.assertRaises(facebaker.NotFiniteError):
+            face.blend(first * numpy.nan, None, 0.5)
+
     def test_other_outputs(self):
         face = self.face
         poses = random_poses(face, 6)

@@ -110,16 +110,23 @@ export class Face implements FaceContents {
              restControls, restPositions };
   }
 
-  /** The index of a control by its name, or else by its ARKit or FACS name. Throws a FaceBakerError that names the
-   * closest one. */
-  findControl(name: string): number {
+  /** The index of a control by its name, or else by its ARKit or FACS name, or by the hash of its name, as
+   * `facebaker header` writes it. Throws a FaceBakerError, for a name with the closest one. */
+  findControl(name: string | bigint): number {
     const { heap, pointer } = this.model, result = heap.allocate(4);
     try {
-      heap.withText(name, (text) => heap.check("fb_find_control", pointer, text, result));
+      if (typeof name === "bigint") heap.check("fb_find_control_hash", pointer, name, result);
+      else heap.withText(name, (text) => heap.check("fb_find_control", pointer, text, result));
       return heap.u32[result >>> 2]!;
     } finally {
       heap.release(result);
     }
+  }
+
+  /** Blends two poses as controls, `from` at share 0 and `to` at 1, clamped to their ranges; a `to` of null is the mirror
+   * of `from`. `blended` may be either; without it, an array is made. Throws on NaN, naming the control. */
+  blend(from: Float32Array, to: Float32Array | null, share: number, blended?: Float32Array): Float32Array {
+    return this.model.blend(from, to, share, blended ?? new Float32Array(this.controlCount));
   }
 
   /** The controls of the rest pose, to be changed. */

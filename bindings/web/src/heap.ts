@@ -43,7 +43,7 @@ export class Heap {
   }
 
   /** Calls a function that returns a status, and throws if it is not FB_OK. */
-  check(name: string, ...values: number[]): void {
+  check(name: string, ...values: (number | bigint)[]): void {
     const status = this.exports[name]!(...values);
     this.refresh();
     if (status !== 0) this.fail(status);

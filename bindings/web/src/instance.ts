@@ -4,7 +4,7 @@ import { notRead } from "./errors.js";
 import { isNode, nodeModule } from "./platform.js";
 
 /** Pointers and sizes are unsigned 32-bit numbers; what the module returns has to be shifted by `>>> 0`. */
-export type Exports = Record<string, (...values: number[]) => number> & { readonly memory: WebAssembly.Memory };
+export type Exports = Record<string, (...values: (number | bigint)[]) => number> & { readonly memory: WebAssembly.Memory };
 
 export type WasmSource = string | URL | BufferSource;
 

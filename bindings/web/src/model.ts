@@ -167,6 +167,23 @@ export class Model {
     coefficients.set(this.coefficients.floats(this.coefficientCount));
   }
 
+  /** Blends two poses, or one and its mirror, in the space of controls. */
+  blend(from: Float32Array, to: Float32Array | null, share: number, blended: Float32Array): Float32Array {
+    const { heap, controlCount } = this;
+    for (const pose of to ? [from, to, blended] : [from, blended])
+      if (!(pose instanceof Float32Array) || pose.length < controlCount)
+        throw invalidArgument(`a pose of ${pose?.length} numbers, but ${controlCount} are needed`);
+    const poses = this.controls; // one behind the other, and the result in place of the first
+    poses.reserve(2 * controlCount);
+    const values = poses.floats(2 * controlCount);
+    values.set(from.subarray(0, controlCount));
+    if (to) values.set(to.subarray(0, controlCount), controlCount);
+    heap.check("fb_blend_controls", this.pointer, poses.address, to ? poses.address + 4 * controlCount : 0, share,
+               poses.address);
+    blended.set(poses.floats(2 * controlCount).subarray(0, controlCount));
+    return blended;
+  }
+
   /** Quantises `count` poses. */
   quantise(controls: Float32Array, count: number, outputs: QuantisedOutputs): void {
     this.quantiser.quantise(this.pointer, this.scratchFor(count), controls, count, outputs);

@@ -19,6 +19,15 @@ test("contents are those of the archive", async () => {
   assert.equal(face.controls[0]!.arkit, "jawOpen");
   assert.equal(face.controls.length, face.controlCount);
   assert.equal(face.findControl("jawOpen"), 0);
+  assert.equal(face.findControl(0x251683c4c174b423n), 0); // jaw_open, as facebaker header writes it
+  const open = face.createPose(), { minimum, maximum } = face.controls[0]!;
+  open[0] = maximum;
+  assert.equal(face.blend(face.createPose(), open, 0.5)[0], Math.fround((face.restControls[0]! + maximum) / 2));
+  assert.equal(face.blend(open, face.createPose(), 100)[0], minimum);
+  const partner = face.controls.findIndex(({ mirror }) => mirror >= 0), other = face.controls[partner]!.mirror;
+  open[partner] = face.controls[partner]!.maximum;
+  assert.equal(face.blend(open, null, 1, open), open);
+  assert.equal(open[other], face.controls[other]!.maximum);
   assert.equal(face.materials[0]!.name, "skin");
   assert.equal(face.materials[0]!.alphaMode, "mask");
   assert(face.images.length > 0 && face.images[0]!.bytes.length > 0);
@@ -60,8 +69,12 @@ test("controls and arrays that are wrong are refused", async () => {
   const face = await open("tiny"), controls = face.createPose();
   assert.throws(() => face.findControl("jaw_opem"),
                 (error: FaceBakerError) => error.statusName === "FB_ERROR_NOT_FOUND" && /jaw_open/.test(error.message));
+  assert.throws(() => face.findControl(42n),
+                (error: FaceBakerError) => error.statusName === "FB_ERROR_NOT_FOUND" && /000000000000002a/.test(error.message));
   controls[0] = NaN;
   assert.throws(() => face.evaluate(controls), (error: FaceBakerError) => /jaw_open/.test(error.message));
+  assert.throws(() => face.blend(controls, null, 0.5), (error: FaceBakerError) => /jaw_open/.test(error.message));
+  assert.throws(() => face.blend(new Float32Array(1), null, 0.5), /a pose of 1 numbers/);
   controls[0] = 1e9;
   face.evaluate(controls);
   assert.equal(face.clampedCount, 1);
