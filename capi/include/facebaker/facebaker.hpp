@@ -11,7 +11,8 @@
 #include <facebaker/facebaker.h>
 
 #if defined(__cpp_exceptions) || defined(_CPPUNWIND)
-#define FACEBAKER_EXCEPTIONS 1 /**< whether members that throw are there */
+/** Whether members that throw are there. */
+#define FACEBAKER_EXCEPTIONS 1
 #else
 #define FACEBAKER_EXCEPTIONS 0
 #endif
