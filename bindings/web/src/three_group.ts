@@ -5,7 +5,7 @@ import type { FaceContents } from "./contents.js";
 import type { RenderMesh } from "./render_mesh.js";
 import { MaterialSet, loadImage, type LoadTexture } from "./three_materials.js";
 import { FaceSkin } from "./three_skin.js";
-import { metresPerUnit } from "./units.js";
+import { metresPerUnit, scaleToMetres } from "./units.js";
 
 export interface FaceGroupOptions {
   /** Makes textures; by default of what the browser decodes itself. For KTX2 give one that uses KTX2Loader. */
@@ -52,11 +52,7 @@ export abstract class FaceGroup extends Group<FaceGroupEvents> {
     this.skeleton = this.skin?.skeleton ?? null;
     if (this.skin) this.add(...this.skin.roots);
     this.metresPerUnit = metresPerUnit(face.units);
-    if (options.metres) {
-      if (this.metresPerUnit === null)
-        throw new Error(`metres: the face is in "${face.units}", which is no known unit of length; scale it by yourself`);
-      this.scale.setScalar(this.metresPerUnit);
-    }
+    if (options.metres) this.scale.setScalar(scaleToMetres(face.units));
     if (face.upAxis === "z") this.rotation.x = -Math.PI / 2;
   }
 

@@ -3,10 +3,8 @@ import {
   Bone, BufferAttribute, Matrix4, PropertyBinding, Skeleton, SkinnedMesh, type BufferGeometry, type Material, type Object3D,
 } from "three";
 import type { FaceContents, Joint, Skin } from "./contents.js";
+import { influenceCount, strongestInfluences } from "./posed_face.js";
 import type { RenderMesh } from "./render_mesh.js";
-
-/** Influences of a vertex in three.js. */
-const influences = 4;
 
 /** A frame of an archive: the upper three rows of a matrix, row after row. */
 export function matrixOf(f: ArrayLike<number>, at = 0, to = new Matrix4()): Matrix4 {
@@ -64,25 +62,10 @@ export class FaceSkin {
    * it. */
   makeMesh<Materials extends Material[]>(geometry: BufferGeometry, render: RenderMesh,
                                          materials: Materials): SkinnedMesh<BufferGeometry, Materials> | null {
-    const { skin } = this;
-    const joints = new Uint16Array(influences * render.vertexCount), weights = new Float32Array(joints.length);
-    let follows = false;
-    render.source.forEach((vertex, v) => {
-      const first = skin.influences * vertex;
-      const order = Array.from({ length: skin.influences }, (_, i) => first + i)
-        .filter((i) => skin.weights[i]! > 0)
-        .sort((a, b) => skin.weights[b]! - skin.weights[a]!).slice(0, influences);
-      const sum = order.reduce((total, i) => total + skin.weights[i]!, 0);
-      if (sum === 0) return;
-      follows = true;
-      order.forEach((i, k) => {
-        joints[influences * v + k] = skin.joints[i]!;
-        weights[influences * v + k] = skin.weights[i]! / sum;
-      });
-    });
-    if (!follows) return null;
-    geometry.setAttribute("skinIndex", new BufferAttribute(joints, influences));
-    geometry.setAttribute("skinWeight", new BufferAttribute(weights, influences));
+    const influences = strongestInfluences(this.skin, render);
+    if (!influences) return null;
+    geometry.setAttribute("skinIndex", new BufferAttribute(influences.joints, influenceCount));
+    geometry.setAttribute("skinWeight", new BufferAttribute(influences.weights, influenceCount));
     const mesh = new SkinnedMesh(geometry, materials);
     mesh.bind(this.skeleton, new Matrix4());
     mesh.frustumCulled = false; // where bones take it is known to the GPU alone

@@ -7,3 +7,11 @@ const metres: Record<string, number> = {
 export function metresPerUnit(units: string): number | null {
   return metres[units] ?? null;
 }
+
+/** What to scale a face by, for an engine that counts in metres. Throws where its unit is not known. */
+export function scaleToMetres(units: string): number {
+  const scale = metresPerUnit(units);
+  if (scale === null)
+    throw new Error(`metres: the face is in "${units}", which is no known unit of length; scale it by yourself`);
+  return scale;
+}
