@@ -28,11 +28,12 @@ cp LICENSE bindings/web/README.md "$out"
     cat "build/cross/wasm/$package.copyright"
   done
 } >"$out/THIRD-PARTY.txt"
-# ES modules, the same as CommonJS (three.js has none of its WebGPURenderer), and the worker as one script.
+# ES modules, the same as CommonJS (three.js has none of its WebGPURenderer, Babylon.js none at all, and the adapters for
+# engines are ES modules alone), and the worker as one script.
 rm -rf "$out/cjs"
 cp -r "$out/src" "$out/cjs"
 for urls in asset_urls solver_urls; do mv "$out/cjs/${urls}_cjs.ts" "$out/cjs/$urls.ts"; done
-rm -f "$out/cjs/worker_main.ts" "$out/cjs/three_webgpu.ts"
+rm -f "$out/cjs/worker_main.ts" "$out/cjs/three_webgpu.ts" "$out/cjs/aframe.ts" "$out"/cjs/babylon*.ts "$out"/cjs/playcanvas*.ts
 echo '{ "type": "commonjs", "sideEffects": false }' | tee "$out/cjs/package.json" >"$out/package.cjs"
 sed 's|"src|"cjs|; s|"dist"|"dist/cjs"|' bindings/web/tsconfig.json >"$out/tsconfig.cjs.json"
 (

@@ -101,8 +101,8 @@ test_types() {
     cp commonjs.cts oldest.ts
     npx tsc $options --noEmit --module commonjs --moduleResolution node10 oldest.ts
   }
-  # three-webgpu cannot be had by require(): three.js has no CommonJS of its WebGPURenderer.
-  npx attw package.tgz --format ascii --exclude-entrypoints three-webgpu facebaker.wasm facebaker-scalar.wasm \
+  # ES modules alone, as three.js' WebGPURenderer and Babylon.js are.
+  npx attw package.tgz --format ascii --exclude-entrypoints three-webgpu babylon playcanvas aframe facebaker.wasm facebaker-scalar.wasm \
     facebaker_solve.wasm facebaker_solve-scalar.wasm worker_main.js
 }
 
