@@ -9,10 +9,10 @@ const types: Record<string, string> = {
 };
 
 // 'sha256-...' of an import map would do in place of 'unsafe-inline'; nothing of the package needs it.
-const policy = "default-src 'self'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' blob:; worker-src 'self'";
+const strictPolicy = "default-src 'self'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' blob:; worker-src 'self'";
 
 /** `files`: where addresses that begin so are. */
-export async function serveFolders(files: Record<string, string>): Promise<{ server: Server; address: string }> {
+export async function serveFolders(files: Record<string, string>, policy = strictPolicy): Promise<{ server: Server; address: string }> {
   const server = createServer((request, answer) => {
     const path = normalize(decodeURIComponent(new URL(request.url ?? "/", "http://x").pathname));
     const prefix = Object.keys(files).filter((known) => path.startsWith(known)).sort((a, b) => b.length - a.length)[0];
