@@ -2,6 +2,7 @@
 import { load } from "facebaker";
 import { checkGpuEvaluator } from "../gpu_evaluator_checks.js";
 import { readExpectedPoses } from "../expected_poses.js";
+import { checkMadeUpFace } from "../made_up_face_checks.js";
 import { checkArithmetic } from "../shader_arithmetic_checks.js";
 import { checkVertexBuffer } from "../vertex_buffer_checks.js";
 
@@ -12,6 +13,7 @@ export async function evaluateOnGpu(archive: string, dump: string, poses: number
   device.addEventListener("uncapturederror", ({ error }) => errors.push(error.message));
   const skinned = await checkGpuEvaluator(device, face, controls, poses); // as pages get it
   await checkGpuEvaluator(device, face, controls, 9, { integerDot: false, vertexOrder: "baked" });
+  await checkMadeUpFace(device);
   const drawn = await checkVertexBuffer(device, face), results = await checkArithmetic(device);
   device.destroy();
   face.dispose();

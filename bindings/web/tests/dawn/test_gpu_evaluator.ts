@@ -7,6 +7,7 @@ import test, { before } from "node:test";
 import { load, type Face } from "facebaker";
 import { GpuEvaluator } from "facebaker/webgpu";
 import { checkGpuEvaluator, countDifferent, drawPoses, readBuffer } from "../gpu_evaluator_checks.js";
+import { checkMadeUpFace } from "../made_up_face_checks.js";
 import { checkArithmetic } from "../shader_arithmetic_checks.js";
 import { checkVertexBuffer } from "../vertex_buffer_checks.js";
 
@@ -40,6 +41,11 @@ async function withFace(archive: string, use: (face: Face) => Promise<void>): Pr
 
 test("the shader's arithmetic is that of the processor", async () => {
   assert((await checkArithmetic(device)) > 3_000_000);
+  assert.deepEqual(errors, []);
+});
+
+test("row blocks of any size have the processor's bits", async () => {
+  assert((await checkMadeUpFace(device)) > 0);
   assert.deepEqual(errors, []);
 });
 
