@@ -83,7 +83,7 @@ def write_sums(folder: pathlib.Path) -> None:
     """As sha256sum reads them."""
     files = sorted(path for path in folder.iterdir() if path.name != "SHA256SUMS")
     lines = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in files]
-    (folder / "SHA256SUMS").write_text("".join(lines), encoding="ascii")
+    (folder / "SHA256SUMS").write_bytes("".join(lines).encode())  # with the ends of lines of Unix on every system
 
 
 def deliver(made: pathlib.Path, out: pathlib.Path, whole: bool) -> None:
