@@ -3,10 +3,59 @@
 #include <facebaker/facebaker_character.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 namespace facebaker::engine {
 
-FacePose::FacePose(const Model& model) : model_(model), scratch_(model), controls_(model.rest_controls()) {
+namespace {
+
+// By model, those that FacePoses use now.
+std::mutex known_mutex;
+std::map<const fb_model*, std::weak_ptr<SharedScratches>> known;
+
+}  // namespace
+
+std::shared_ptr<SharedScratches> SharedScratches::of(const Model& model) {
+  const std::lock_guard lock(known_mutex);
+  for (auto entry = known.begin(); entry != known.end();)
+    entry = entry->second.expired() ? known.erase(entry) : ++entry;
+  std::weak_ptr<SharedScratches>& entry = known[model.get()];
+  std::shared_ptr<SharedScratches> made = entry.lock();
+  if (!made) entry = made = std::shared_ptr<SharedScratches>(new SharedScratches(model));
+  return made;
+}
+
+void SharedScratches::evaluate(const fb_batch_desc& batch) {
+  std::unique_ptr<Scratch> scratch;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!free_.empty()) {
+      scratch = std::move(free_.back());
+      free_.pop_back();
+    }
+  }
+  if (!scratch) scratch = std::make_unique<Scratch>(model_);
+  const auto give_back = [&] {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(scratch));
+  };
+  try {
+    scratch->evaluate(batch);
+  } catch (...) {
+    give_back();
+    throw;
+  }
+  give_back();
+}
+
+std::size_t SharedScratches::scratch_count() {
+  const std::lock_guard lock(mutex_);
+  return free_.size();
+}
+
+FacePose::FacePose(const Model& model)
+    : model_(model), scratches_(SharedScratches::of(model)), controls_(model.rest_controls()) {
   pose();
   previous_ = current_;
 }
@@ -75,7 +124,8 @@ bool FacePose::pose() {
   batch.bounds = frame->bounds.data();
   batch.bounds_floats = frame->bounds.size();
   batch.lod = lod_;
-  scratch_.evaluate(batch);
+  scratches_->evaluate(batch);
+  frame->level = static_cast<std::uint32_t>(std::min(lod_, static_cast<float>(fb_level_count(model_.get()) - 1)));
   frame->number = current_ ? current_->number + 1 : 1;
   previous_ = current_;
   current_ = frame;

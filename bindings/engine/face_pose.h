@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 namespace facebaker::engine {
@@ -24,12 +25,32 @@ struct PosedFrame {
   std::vector<float> sockets;        ///< frames of the face's sockets, 12 floats each
   std::vector<float> driven_joints;  ///< frames of its driven joints, 12 floats each
   std::array<float, 6> bounds{};     ///< smallest x, y and z, then the largest
+  std::uint32_t level = 0;           ///< level of detail whose polygons it is drawn with: lod rounded down
   std::uint64_t number = 0;          ///< 1 for the first pose, and one more for each that differs from the last
+};
+
+/** Working memory of poses for the FacePoses of a model: one for each of the threads that pose at the same time,
+ * whatever the number of FacePoses. Threads may share it. */
+class SharedScratches {
+ public:
+  /** That of a model, made for the first of its FacePoses and freed with the last. Throws where memory is short. */
+  static std::shared_ptr<SharedScratches> of(const Model& model);
+  /** Evaluates a batch with a scratch that no other thread uses; see Scratch::evaluate. */
+  void evaluate(const fb_batch_desc& batch);
+  /** Scratches there are while no thread poses. */
+  std::size_t scratch_count();
+
+ private:
+  explicit SharedScratches(const Model& model) : model_(model) {}
+
+  Model model_;
+  std::mutex mutex_;  // of free_
+  std::vector<std::unique_ptr<Scratch>> free_;
 };
 
 /** Poses a face. Of one thread at a time; the frames that it gives out never change and may be read by any thread, for
  * as long as it holds them. Frames that nobody holds are used again, so posing allocates nothing once there are as many
- * as readers hold at a time. Any number of FacePoses may share one Model. */
+ * as readers hold at a time. Any number of FacePoses may share one Model, and its working memory. */
 class FacePose {
  public:
   /** At rest. `model` is shared. Throws Error where memory is short. */
@@ -59,7 +80,7 @@ class FacePose {
   std::shared_ptr<PosedFrame> free_frame();
 
   Model model_;
-  Scratch scratch_;
+  std::shared_ptr<SharedScratches> scratches_;
   std::vector<float> controls_;
   float lod_ = 0;
   bool changed_ = true;

@@ -2,6 +2,8 @@
 
 #include <facebaker/facebaker_character.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <string_view>
 #include <unordered_map>
 
@@ -52,53 +54,95 @@ bool is_z(const char* up_axis) {
   return up_axis && std::string_view(up_axis) == "z";
 }
 
-// Collects the vertices of a run while its corners are added.
+fb_level level_at(const Model& model, std::uint32_t index) {
+  fb_level level;
+  fb_level_init(&level);
+  check(fb_level_at(model.get(), index, &level));
+  return level;
+}
+
+// Collects the vertices of a surface while corners of its polygons are added, level after level.
 class SurfaceBuilder {
  public:
-  SurfaceBuilder(const Model& model, const Axes& axes, RenderSurface& surface)
-      : axes_(axes),
-        surface_(surface),
-        corners_(fb_polygon_corners(model.get())),
-        uvs_(fb_uvs(model.get())),
-        uv_corners_(fb_uv_corners(model.get())),
-        signs_(fb_tangent_signs(model.get())) {}
+  SurfaceBuilder(const Model& model, const Axes& axes)
+      : axes_(axes), uvs_(fb_uvs(model.get())), signs_(fb_tangent_signs(model.get())) {}
 
-  void add_polygon(std::uint32_t first_corner, std::uint32_t size) {
-    const std::uint32_t first = vertex_of(first_corner);
-    std::uint32_t last = vertex_of(first_corner + 1);
+  void add_polygon(RenderSurface& surface, const fb_level& level, std::uint32_t first_corner, std::uint32_t size,
+                   std::vector<std::uint32_t>& indices) {
+    const std::uint32_t first = vertex_of(surface, level, first_corner);
+    std::uint32_t last = vertex_of(surface, level, first_corner + 1);
     for (std::uint32_t i = 2; i < size; ++i) {
-      const std::uint32_t next = vertex_of(first_corner + i);
+      const std::uint32_t next = vertex_of(surface, level, first_corner + i);
       if (axes_.turn_triangles)
-        surface_.indices.insert(surface_.indices.end(), {first, next, last});
+        indices.insert(indices.end(), {first, next, last});
       else
-        surface_.indices.insert(surface_.indices.end(), {first, last, next});
+        indices.insert(indices.end(), {first, last, next});
       last = next;
     }
   }
 
  private:
-  std::uint32_t vertex_of(std::uint32_t corner) {
-    const std::uint32_t source = corners_[corner], uv = uv_corners_ ? uv_corners_[corner] : 0;
+  std::uint32_t vertex_of(RenderSurface& surface, const fb_level& level, std::uint32_t corner) {
+    const std::uint32_t source = level.polygon_corners[corner], uv = level.uv_corners ? level.uv_corners[corner] : 0;
     const auto [known, fresh] = vertices_.emplace(static_cast<std::uint64_t>(source) << 32 | uv,
-                                                  static_cast<std::uint32_t>(surface_.sources.size()));
+                                                  static_cast<std::uint32_t>(surface.sources.size()));
     if (!fresh) return known->second;
-    surface_.sources.push_back(source);
-    if (uv_corners_) {
+    surface.sources.push_back(source);
+    if (level.uv_corners) {
       const float* pair = uvs_ + 2 * static_cast<std::size_t>(uv);
-      surface_.uvs.insert(surface_.uvs.end(), {pair[0], axes_.v_down ? 1 - pair[1] : pair[1]});
-      surface_.tangent_signs.push_back(axes_.tangent_sign * signs_[source]);
+      surface.uvs.insert(surface.uvs.end(), {pair[0], axes_.v_down ? 1 - pair[1] : pair[1]});
+      surface.tangent_signs.push_back(axes_.tangent_sign * signs_[source]);
     }
     return known->second;
   }
 
   const Axes& axes_;
-  RenderSurface& surface_;
-  const std::uint32_t* corners_;
   const float* uvs_;
-  const std::uint32_t* uv_corners_;
   const float* signs_;
   std::unordered_map<std::uint64_t, std::uint32_t> vertices_;
 };
+
+std::vector<RenderSurface> empty_surfaces(const fb_level& whole, std::uint32_t meshes, std::uint32_t levels) {
+  std::vector<RenderSurface> surfaces;
+  for (std::uint32_t m = 0; m < meshes; ++m)
+    for (std::uint32_t r = 0; r < whole.meshes[m].run_count; ++r) {
+      RenderSurface& surface = surfaces.emplace_back();
+      surface.mesh = m;
+      surface.material = whole.meshes[m].runs[r].material;
+      surface.levels.resize(levels);
+    }
+  return surfaces;
+}
+
+// The surface that a run of polygons belongs to: the next one of its mesh and material from `from` on, or else the
+// first; the number of surfaces if there is none.
+std::size_t surface_of(const std::vector<RenderSurface>& surfaces, std::uint32_t mesh, std::uint32_t material,
+                       std::size_t from) {
+  const auto has = [&](const RenderSurface& surface) { return surface.mesh == mesh && surface.material == material; };
+  const auto begin = surfaces.begin(), end = surfaces.end();
+  const auto next = std::find_if(begin + static_cast<std::ptrdiff_t>(from), end, has);
+  return static_cast<std::size_t>((next != end ? next : std::find_if(begin, end, has)) - begin);
+}
+
+void add_level(const fb_level& level, std::uint32_t index, std::uint32_t meshes, std::vector<RenderSurface>& surfaces,
+               std::vector<SurfaceBuilder>& builders) {
+  std::size_t next = 0;
+  for (std::uint32_t m = 0; m < meshes; ++m) {
+    const fb_mesh& mesh = level.meshes[m];
+    std::uint32_t polygon = mesh.first_polygon, corner = mesh.first_corner;
+    for (std::uint32_t r = 0; r < mesh.run_count; ++r) {
+      const std::size_t s = surface_of(surfaces, m, mesh.runs[r].material, next);
+      const std::uint32_t end = polygon + mesh.runs[r].polygon_count;
+      for (; polygon < end; corner += level.polygon_sizes[polygon++])
+        if (s < surfaces.size())
+          builders[s].add_polygon(surfaces[s], level, corner, level.polygon_sizes[polygon],
+                                  surfaces[s].levels[index].indices);
+      if (s < surfaces.size()) next = s + 1;
+    }
+  }
+  for (RenderSurface& surface : surfaces)
+    surface.levels[index].vertex_count = static_cast<std::uint32_t>(surface.sources.size());
+}
 
 }  // namespace
 
@@ -124,22 +168,10 @@ Axes axes_of_unreal(const char* up_axis, const char* units) {
 }
 
 std::vector<RenderSurface> render_surfaces(const Model& model, const Axes& axes) {
-  std::vector<RenderSurface> surfaces;
-  const std::uint32_t* sizes = fb_polygon_sizes(model.get());
-  for (std::uint32_t m = 0; m < fb_mesh_count(model.get()); ++m) {
-    fb_mesh mesh;
-    fb_mesh_init(&mesh);
-    check(fb_mesh_at(model.get(), m, &mesh));
-    std::uint32_t polygon = mesh.first_polygon, corner = mesh.first_corner;
-    for (std::uint32_t r = 0; r < mesh.run_count; ++r) {
-      RenderSurface& surface = surfaces.emplace_back();
-      surface.mesh = m;
-      surface.material = mesh.runs[r].material;
-      SurfaceBuilder builder(model, axes, surface);
-      for (std::uint32_t end = polygon + mesh.runs[r].polygon_count; polygon < end; corner += sizes[polygon++])
-        builder.add_polygon(corner, sizes[polygon]);
-    }
-  }
+  const std::uint32_t meshes = fb_mesh_count(model.get()), levels = fb_level_count(model.get());
+  std::vector<RenderSurface> surfaces = empty_surfaces(level_at(model, 0), meshes, levels);
+  std::vector<SurfaceBuilder> builders(surfaces.size(), SurfaceBuilder(model, axes));
+  for (std::uint32_t index = levels; index-- > 0;) add_level(level_at(model, index), index, meshes, surfaces, builders);
   return surfaces;
 }
 

@@ -42,17 +42,26 @@ Axes axes_of_godot(const char* up_axis, const char* units, bool metres);
 /** Unreal: left-handed, z up, centimetres, looking along y; v grows downwards, and so do bitangents. Likewise. */
 Axes axes_of_unreal(const char* up_axis, const char* units);
 
-/** The polygons of a mesh that have one material, or none. Immutable. */
+/** What of a surface is drawn at a level of detail. */
+struct RenderLevel {
+  std::uint32_t vertex_count = 0;      ///< its triangles have the first so many of the surface's vertices
+  std::vector<std::uint32_t> indices;  ///< of vertices, 3 a triangle; polygons are fans. There may be none
+};
+
+/** The polygons of a mesh that have one material, or none, at every level of detail. Vertices of coarse levels come
+ * first, so a buffer of all vertices serves each level, and those behind its vertex_count need not be written. The same
+ * number of surfaces is drawn at each level. Immutable. */
 struct RenderSurface {
   std::uint32_t mesh = 0;              ///< index of its mesh
   std::uint32_t material = 0;          ///< index of its material, or FB_NO_MATERIAL
   std::vector<std::uint32_t> sources;  ///< for each vertex, the face's
   std::vector<float> uvs;              ///< 2 a vertex; empty for a face without texture coordinates
   std::vector<float> tangent_signs;    ///< 1 a vertex, or empty likewise: bitangent = sign * cross(normal, tangent)
-  std::vector<std::uint32_t> indices;  ///< of vertices, 3 a triangle; polygons are fans
+  std::vector<RenderLevel> levels;     ///< fb_level_count of them
 };
 
-/** Every run of polygons of every mesh, in their order. Throws Error. */
+/** Every run of polygons of every mesh, in their order. Polygons of a coarser level belong to the run of their mesh
+ * that has their material. Throws Error. */
 std::vector<RenderSurface> render_surfaces(const Model& model, const Axes& axes);
 
 }  // namespace facebaker::engine

@@ -47,7 +47,7 @@ module() {
   cp -L "$library" "$folder/"
   $compiler -std=c++17 -O2 -shared -fvisibility=hidden -Wall -Wextra -Werror -Icapi/include -isystem "$headers" \
     bindings/godot/src/godot_face.cpp "bindings/godot/src/godot${godot}_module.cpp" bindings/engine/face_pose.cpp \
-    bindings/engine/render_surfaces.cpp -o "$folder/$name" "$@"
+    bindings/engine/render_surfaces.cpp bindings/engine/shared_archives.cpp -o "$folder/$name" "$@"
 }
 # linux COMPILER LIB FOLDER
 linux() {

@@ -5,6 +5,8 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -19,6 +21,7 @@
 #include "face_pose.h"
 #include "linear_skin.h"
 #include "render_surfaces.h"
+#include "shared_archives.h"
 
 namespace {
 
@@ -114,6 +117,53 @@ TEST_CASE("posing allocates nothing once it runs") {
   CHECK(all);
 }
 
+TEST_CASE("poses of a model share its working memory, for each thread") {
+  const Model model = fixture("levels");
+  std::vector<std::unique_ptr<FacePose>> poses;
+  for (int i = 0; i < 20; ++i) poses.push_back(std::make_unique<FacePose>(model));
+  const auto shared = facebaker::engine::SharedScratches::of(model);
+  CHECK(shared == facebaker::engine::SharedScratches::of(model));
+  CHECK(shared->scratch_count() == 1);
+  CHECK(shared != facebaker::engine::SharedScratches::of(fixture("levels")));
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 4; ++t)
+    threads.emplace_back([&, t] {
+      for (int round = 1; round <= 50; ++round)
+        for (std::size_t i = t; i < poses.size(); i += 4) {
+          poses[i]->set_control(0, model.control(0).maximum * float(round) / 50);
+          poses[i]->pose();
+        }
+    });
+  for (std::thread& thread : threads) thread.join();
+  CHECK(shared->scratch_count() <= 4);
+  for (const auto& pose : poses) CHECK(pose->current()->positions == poses[0]->current()->positions);
+  poses[0]->set_control(0, std::numeric_limits<float>::quiet_NaN());
+  CHECK_THROWS_AS(poses[0]->pose(), facebaker::Error);
+  CHECK(poses[1]->set_control(0, 0));
+  CHECK(poses[1]->pose());
+  CHECK(shared->scratch_count() <= 4);
+}
+
+TEST_CASE("an archive of the same bytes is loaded once while it is held") {
+  const auto read = [](const std::string& name) {
+    std::ifstream file(FB_FIXTURES "/" + name + ".fbk", std::ios::binary);
+    return std::vector<char>(std::istreambuf_iterator<char>(file), {});
+  };
+  using facebaker::engine::load_shared;
+  const std::vector<char> bytes = read("tiny"), copy = bytes, other = read("levels");
+  auto first = load_shared(bytes.data(), bytes.size());
+  CHECK(load_shared(copy.data(), copy.size()) == first);
+  CHECK(load_shared(other.data(), other.size()) != first);
+  CHECK(load_shared(copy.data(), copy.size()) == first);
+  std::vector<char> broken = bytes;
+  broken[broken.size() / 2] ^= 1;
+  for (int i = 0; i < 2; ++i) CHECK_THROWS_AS(load_shared(broken.data(), broken.size()), facebaker::Error);
+  const std::weak_ptr<const facebaker::engine::SharedArchive> before = first;
+  first.reset();
+  CHECK(before.expired());
+  CHECK(load_shared(bytes.data(), bytes.size())->model.vertex_count() == 30);
+}
+
 TEST_CASE("NaN is an error, and frames stay") {
   const Model model = fixture("tiny");
   FacePose pose(model);
@@ -164,35 +214,110 @@ TEST_CASE("another thread reads frames while the next are made") {
   CHECK(torn == 0);
 }
 
-TEST_CASE("surfaces have every polygon, with its vertices and texture coordinates") {
-  for (const char* name : {"tiny", "character", "body"}) {
+fb_level level_of(const Model& model, std::uint32_t index) {
+  fb_level level;
+  fb_level_init(&level);
+  facebaker::check(fb_level_at(model.get(), index, &level));
+  return level;
+}
+
+// The polygons of a level are those of its surfaces, one surface after the other.
+void check_polygons(const Model& model, const std::vector<RenderSurface>& surfaces, std::uint32_t index, bool turned) {
+  const fb_level level = level_of(model, index);
+  std::size_t triangles = 0, corner = 0, polygon = 0;
+  const float* uvs = fb_uvs(model.get());
+  for (const RenderSurface& surface : surfaces) {
+    REQUIRE(surface.levels.size() == fb_level_count(model.get()));
+    const auto& [vertex_count, indices] = surface.levels[index];
+    triangles += indices.size() / 3;
+    for (std::size_t i = 0; i < indices.size(); ++polygon) {  // the first triangle of each polygon
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t vertex = indices[i + (turned ? (3 - k) % 3 : k)];
+        CHECK(vertex < vertex_count);
+        CHECK(surface.sources[vertex] == level.polygon_corners[corner + k]);
+        if (!uvs) continue;
+        const float* pair = uvs + 2 * std::size_t(level.uv_corners[corner + k]);
+        CHECK(surface.uvs[2 * vertex] == pair[0]);
+        CHECK(surface.uvs[2 * vertex + 1] == (turned ? 1 - pair[1] : pair[1]));
+      }
+      const std::uint32_t size = level.polygon_sizes[polygon];
+      corner += size;
+      i += 3 * std::size_t(size - 2);
+    }
+  }
+  CHECK(polygon == level.polygon_count);
+  CHECK(triangles == level.corner_count - 2 * std::size_t(level.polygon_count));
+}
+
+TEST_CASE("surfaces have every polygon of each level, with its vertices and texture coordinates") {
+  for (const char* name : {"tiny", "character", "body", "levels", "turning"}) {
     const Model model = fixture(name);
     for (const bool turned : {false, true}) {
       Axes axes;
       axes.turn_triangles = axes.v_down = turned;
       const auto surfaces = facebaker::engine::render_surfaces(model, axes);
-      std::size_t triangles = 0, corner = 0, polygon = 0;
-      const float* uvs = fb_uvs(model.get());
+      const std::uint32_t levels = fb_level_count(model.get());
+      for (std::uint32_t level = 0; level < levels; ++level) check_polygons(model, surfaces, level, turned);
       for (const RenderSurface& surface : surfaces) {
-        triangles += surface.indices.size() / 3;
-        for (std::size_t i = 0; i < surface.indices.size(); ++polygon) {  // the first triangle of each polygon
-          for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t vertex = surface.indices[i + (turned ? (3 - k) % 3 : k)];
-            CHECK(surface.sources[vertex] == fb_polygon_corners(model.get())[corner + k]);
-            if (!uvs) continue;
-            const float* pair = uvs + 2 * std::size_t(fb_uv_corners(model.get())[corner + k]);
-            CHECK(surface.uvs[2 * vertex] == pair[0]);
-            CHECK(surface.uvs[2 * vertex + 1] == (turned ? 1 - pair[1] : pair[1]));
-          }
-          const std::uint32_t size = fb_polygon_sizes(model.get())[polygon];
-          corner += size;
-          i += 3 * std::size_t(size - 2);
-        }
+        CHECK(surface.levels[0].vertex_count == surface.sources.size());
+        for (std::uint32_t level = 1; level < levels; ++level)
+          CHECK(surface.levels[level].vertex_count <= surface.levels[level - 1].vertex_count);
       }
-      CHECK(polygon == fb_polygon_count(model.get()));
-      CHECK(triangles == fb_polygon_corner_count(model.get()) - 2 * std::size_t(fb_polygon_count(model.get())));
     }
   }
+}
+
+TEST_CASE("vertices that a coarse level does not draw need not be written") {
+  const Model model = fixture("levels");
+  const auto surfaces = facebaker::engine::render_surfaces(model, Axes());
+  REQUIRE(fb_level_count(model.get()) == 3);
+  std::size_t whole = 0, coarsest = 0;
+  for (const RenderSurface& surface : surfaces) {
+    whole += surface.levels[0].vertex_count;
+    coarsest += surface.levels[2].vertex_count;
+  }
+  CHECK(coarsest < whole);
+  FacePose pose(model);
+  CHECK(pose.current()->level == 0);
+  for (const auto& [lod, level] : std::map<float, std::uint32_t>{{0.9f, 0}, {1, 1}, {1.99f, 1}, {2, 2}, {50, 2}}) {
+    pose.set_lod(lod);
+    CHECK(pose.pose());
+    CHECK(pose.current()->level == level);
+  }
+}
+
+TEST_CASE("sections have motion where they were drawn in the frame before") {
+  const Model model = fixture("levels");
+  std::string error;
+  const auto face = UnrealFace::make(model, error);
+  REQUIRE(face);
+  const auto moves = [&](std::size_t first, std::size_t last) {
+    const std::vector<float>& motion = face->buffers(0).motion;
+    return std::any_of(motion.begin() + std::ptrdiff_t(3 * first), motion.begin() + std::ptrdiff_t(3 * last),
+                       [](float m) { return m != 0; });
+  };
+  const auto show = [&](float lod, float part) {
+    face->pose().set_lod(lod);
+    for (std::uint32_t c = 0; c < model.control_count(); ++c)
+      face->pose().set_control(c, model.control(c).maximum * part);
+    REQUIRE(face->update(error) == UnrealFace::Update::changed);
+  };
+  const auto& levels = face->sections()[0].levels;
+  const std::size_t few = levels[2].vertex_count, all = levels[0].vertex_count;
+  REQUIRE(few < all);
+  show(2, 0.2f);
+  CHECK(face->level() == 2);
+  CHECK(moves(0, few));
+  show(2, 0.4f);
+  show(0, 0.9f);
+  CHECK(face->level() == 0);
+  CHECK(moves(0, few));
+  CHECK_FALSE(moves(few, all));  // positions of two frames before are not taken for those of the last
+  show(0, 0.1f);
+  CHECK(moves(few, all));
+  face->forget_motion();
+  show(0, 0.5f);
+  CHECK_FALSE(moves(0, all));
 }
 
 // A triangle of the engine faces where its normal says: the cross product of the first edge and the second, or for an
@@ -201,11 +326,12 @@ void check_facing(const Model& model, const Axes& axes, bool second_first) {
   const FacePose pose(model);
   for (const RenderSurface& surface : facebaker::engine::render_surfaces(model, axes)) {
     double along = 0;
-    for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
+    const std::vector<std::uint32_t>& indices = surface.levels[0].indices;
+    for (std::size_t i = 0; i < indices.size(); i += 3) {
       std::array<std::array<float, 3>, 3> at;
       std::array<float, 3> normal;
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t from = 3 * std::size_t(surface.sources[surface.indices[i + k]]);
+        const std::size_t from = 3 * std::size_t(surface.sources[indices[i + k]]);
         axes.convert_position(pose.current()->positions.data() + from, at[k].data());
         axes.convert_direction(pose.current()->normals.data() + from, normal.data());
       }

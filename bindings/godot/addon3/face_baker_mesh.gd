@@ -18,8 +18,11 @@ const SURFACE_FLAGS = 1 << 20  # ARRAY_FLAG_USE_DYNAMIC_UPDATE, and no compressi
 export(String, FILE, "*.fbk") var face_file := "" setget set_face_file
 # Lengths in metres; else in the archive's own unit.
 export var metres := true setget set_metres
-# Level of detail: 0 is the whole, 1 the next coarser level, fractions lie between two.
+# Level of detail: 0 is the whole, 1 the next coarser level, fractions lie between two. The triangles of the level that it is
+# rounded down to are drawn.
 export(float, 0, 8) var level_of_detail := 0.0 setget set_level_of_detail
+# Whether it is posed while no camera sees it, too: for sockets and joints that are asked for all the same.
+export var pose_unseen := false
 
 var face = null  # the FaceBakerFace; null while there is none
 var _stored := {}  # values of controls that a scene sets before the face is loaded
@@ -27,6 +30,9 @@ var _paths := []  # the property of each control
 var _indices := {}  # the control of each property
 var _reported := ""  # what is wrong with the values that are set
 var _made: ArrayMesh = null  # what is shown, and filled
+var _level := 0  # of its triangles
+var _of_levels := {}  # the mesh of each level of detail that was shown
+var _notifier: VisibilityNotifier = null
 var _overrides := []  # of materials by surface, for the next mesh
 
 
@@ -40,7 +46,7 @@ func set_metres(value: bool) -> void:
 	if face:
 		face.set_metres(metres)
 		if _made:
-			_fill_mesh()
+			_show()
 
 
 func set_level_of_detail(value: float) -> void:
@@ -126,22 +132,37 @@ func update_pose() -> void:
 	_reported = ""
 	if result == 0:
 		return
-	_fill_mesh()
+	_show()
 	emit_signal("posed")
+
+
+# Whether a camera sees it. A server has none.
+func is_seen() -> bool:
+	return OS.has_feature("Server") or _notifier == null or _notifier.is_on_screen()
 
 
 func _init() -> void:
 	set_process(true)
 
 
+func _ready() -> void:
+	_notifier = VisibilityNotifier.new()
+	add_child(_notifier)
+	_notifier.connect("screen_entered", self, "update_pose")
+	if _made:
+		_notifier.aabb = _made.custom_aabb
+
+
 func _process(_delta: float) -> void:
-	update_pose()
+	if pose_unseen or is_seen():
+		update_pose()
 
 
 func _open() -> void:
 	_keep_overrides()
 	face = null
 	_made = null
+	_of_levels = {}
 	mesh = null
 	_paths = []
 	_indices = {}
@@ -182,11 +203,46 @@ func _bounds() -> AABB:
 	return AABB(corners[0], corners[1] - corners[0])
 
 
-# A mesh of the current pose; the only place that makes surfaces.
+# Meshes anew, of the current pose.
 func _make_mesh() -> void:
 	if face.pose() < 0:
 		_fail(face.last_error())
 		return
+	_of_levels = {}
+	_show_level()
+
+
+# Shows the last pose.
+func _show() -> void:
+	if face.level() == _level:
+		_fill_mesh()
+	else:
+		_show_level()
+
+
+# Shows the last pose by the mesh of its level. Materials and overrides of the mesh that was shown stay.
+func _show_level() -> void:
+	_level = face.level()
+	var made: ArrayMesh = _of_levels.get(_level)
+	var known := made != null
+	if not known:
+		made = _mesh_of_pose()
+		_of_levels[_level] = made
+	for s in made.get_surface_count():
+		made.surface_set_material(s, _made.surface_get_material(s) if _made else _material(face.surface_material(s)))
+	_keep_overrides()
+	_made = made
+	mesh = made
+	for s in min(_overrides.size(), made.get_surface_count()):
+		set_surface_material(s, _overrides[s])
+	if known:
+		_fill_mesh()
+	else:
+		_set_bounds()
+
+
+# A mesh of the last pose; the only place that makes surfaces.
+func _mesh_of_pose() -> ArrayMesh:
 	var made := ArrayMesh.new()
 	for s in face.surface_count():
 		var arrays := []
@@ -199,19 +255,20 @@ func _make_mesh() -> void:
 			arrays[Mesh.ARRAY_TANGENT] = face.surface_tangents(s)
 		arrays[Mesh.ARRAY_INDEX] = face.surface_indices(s)
 		made.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], SURFACE_FLAGS)
-		made.surface_set_material(s, _material(face.surface_material(s)))
-	made.custom_aabb = _bounds()
-	_made = made
-	mesh = made
-	for s in min(_overrides.size(), made.get_surface_count()):
-		set_surface_material(s, _overrides[s])
+	return made
 
 
 # Writes the last pose over the vertices. Surfaces, their materials and overrides stay.
 func _fill_mesh() -> void:
 	for s in _made.get_surface_count():
 		_made.surface_update_region(s, 0, face.surface_bytes(s))
+	_set_bounds()
+
+
+func _set_bounds() -> void:
 	_made.custom_aabb = _bounds()
+	if _notifier:
+		_notifier.aabb = _made.custom_aabb
 
 
 # Overrides are lost when the mesh goes.

@@ -12,10 +12,12 @@
 
 #include "../../engine/face_pose.h"
 #include "../../engine/render_surfaces.h"
+#include "../../engine/shared_archives.h"
 
 namespace facebaker::godot {
 
 struct GodotFace::State {
+  std::shared_ptr<const engine::SharedArchive> archive;
   std::optional<engine::FacePose> pose;
   engine::Axes axes;
   std::vector<engine::RenderSurface> surfaces;
@@ -93,6 +95,14 @@ const engine::RenderSurface& surface_at(GodotFace& face, const Value& index) {
   return surfaces[index_of(index.integer, surfaces.size(), "surface")];
 }
 
+// What of a surface the current pose draws: a triangle without area where its level has none of the surface, for which
+// Godot has no empty surfaces.
+const engine::RenderLevel& drawn(GodotFace& face, const engine::RenderSurface& surface) {
+  static const engine::RenderLevel nothing = {1, {0, 0, 0}};
+  const engine::RenderLevel& level = surface.levels[posed(*face.state).current()->level];
+  return level.indices.empty() ? nothing : level;
+}
+
 fb_material material_at(GodotFace& face, const Value& index) {
   const fb_model* model = model_of(*face.state);
   fb_material material;
@@ -127,11 +137,12 @@ void make_surfaces(State& state) {
 Value surface_vectors(GodotFace& face, const Value& index, const std::vector<float>& vectors,
                       void (engine::Axes::*convert)(const float*, float*) const) {
   const engine::RenderSurface& surface = surface_at(face, index);
+  const std::size_t vertices = drawn(face, surface).vertex_count;
   std::vector<float>& out = face.state->floats;
-  out.resize(3 * surface.sources.size());
-  for (std::size_t i = 0; i < surface.sources.size(); ++i)
+  out.resize(3 * vertices);
+  for (std::size_t i = 0; i < vertices; ++i)
     (face.state->axes.*convert)(vectors.data() + 3 * static_cast<std::size_t>(surface.sources[i]), out.data() + 3 * i);
-  return of_array(Kind::vectors3, out.data(), surface.sources.size());
+  return of_array(Kind::vectors3, out.data(), vertices);
 }
 
 // ---- Methods: contents
@@ -139,11 +150,14 @@ Value surface_vectors(GodotFace& face, const Value& index, const std::vector<flo
 Value load_bytes(GodotFace& face, const Value* arguments) {
   State& state = *face.state;
   try {
-    state.pose.emplace(Model(arguments[0].data, arguments[0].count));
+    state.pose.reset();
+    state.archive = engine::load_shared(arguments[0].data, arguments[0].count);
+    state.pose.emplace(state.archive->model);
     make_surfaces(state);
     return of_text("");
   } catch (const Error& error) {
     state.pose.reset();
+    state.archive.reset();
     state.surfaces.clear();
     return of_text(error.what());
   }
@@ -217,6 +231,15 @@ Value get_controls(GodotFace& face, const Value*) {
 Value set_lod(GodotFace& face, const Value* arguments) {
   posed(*face.state).set_lod(static_cast<float>(arguments[0].real));
   return {};
+}
+
+// That whose triangles surfaces have: the one that is posed.
+Value level(GodotFace& face, const Value*) {
+  return of_integer(posed(*face.state).current()->level);
+}
+
+Value level_count(GodotFace& face, const Value*) {
+  return of_integer(fb_level_count(model_of(*face.state)));
 }
 
 Value set_metres(GodotFace& face, const Value* arguments) {
@@ -300,9 +323,19 @@ Value surface_material(GodotFace& face, const Value* arguments) {
   return of_integer(material == FB_NO_MATERIAL ? -1 : static_cast<std::int64_t>(material));
 }
 
-Value integers_of(GodotFace& face, const std::vector<std::uint32_t>& numbers) {
-  face.state->integers.assign(numbers.begin(), numbers.end());
-  return of_array(Kind::integers, face.state->integers.data(), numbers.size());
+Value integers_of(GodotFace& face, const std::vector<std::uint32_t>& numbers, std::size_t count) {
+  face.state->integers.assign(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(count));
+  return of_array(Kind::integers, face.state->integers.data(), count);
+}
+
+Value surface_sources(GodotFace& face, const Value* arguments) {
+  const engine::RenderSurface& surface = surface_at(face, arguments[0]);
+  return integers_of(face, surface.sources, drawn(face, surface).vertex_count);
+}
+
+Value surface_indices(GodotFace& face, const Value* arguments) {
+  const std::vector<std::uint32_t>& indices = drawn(face, surface_at(face, arguments[0])).indices;
+  return integers_of(face, indices, indices.size());
 }
 
 Value surface_vertices(GodotFace& face, const Value* arguments) {
@@ -318,8 +351,9 @@ Value surface_tangents(GodotFace& face, const Value* arguments) {
   const engine::RenderSurface& surface = surface_at(face, arguments[0]);
   const auto frame = posed(*face.state).current();
   std::vector<float>& out = face.state->floats;
-  out.resize(4 * surface.tangent_signs.size());
-  for (std::size_t i = 0; i < surface.tangent_signs.size(); ++i) {
+  const std::size_t vertices = surface.uvs.empty() ? 0 : drawn(face, surface).vertex_count;
+  out.resize(4 * vertices);
+  for (std::size_t i = 0; i < vertices; ++i) {
     face.state->axes.convert_direction(frame->tangents.data() + 3 * static_cast<std::size_t>(surface.sources[i]),
                                        out.data() + 4 * i);
     out[4 * i + 3] = surface.tangent_signs[i];
@@ -328,8 +362,8 @@ Value surface_tangents(GodotFace& face, const Value* arguments) {
 }
 
 Value surface_uvs(GodotFace& face, const Value* arguments) {
-  const std::vector<float>& uvs = surface_at(face, arguments[0]).uvs;
-  return of_array(Kind::vectors2, uvs.data(), uvs.size() / 2);
+  const engine::RenderSurface& surface = surface_at(face, arguments[0]);
+  return of_array(Kind::vectors2, surface.uvs.data(), surface.uvs.empty() ? 0 : drawn(face, surface).vertex_count);
 }
 
 // The vertex buffer of Godot 3 for a surface without compression: position, normal, and with texture coordinates the
@@ -340,8 +374,9 @@ Value surface_bytes(GodotFace& face, const Value* arguments) {
   const engine::Axes& axes = face.state->axes;
   std::vector<float>& out = face.state->floats;
   const std::size_t stride = surface.uvs.empty() ? 6 : 12;
-  out.resize(stride * surface.sources.size());
-  for (std::size_t i = 0; i < surface.sources.size(); ++i) {
+  const std::size_t vertices = drawn(face, surface).vertex_count;
+  out.resize(stride * vertices);
+  for (std::size_t i = 0; i < vertices; ++i) {
     const std::size_t from = 3 * static_cast<std::size_t>(surface.sources[i]);
     float* to = out.data() + stride * i;
     axes.convert_position(frame->positions.data() + from, to);
@@ -402,7 +437,7 @@ Value surface_vertex_data(GodotFace& face, const Value* arguments) {
   const auto frame = posed(*face.state).current();
   const engine::Axes& axes = face.state->axes;
   const bool tangents = arguments[1].integer != 0;
-  const std::size_t vertices = surface.sources.size(), words = tangents ? 2 : 1;
+  const std::size_t vertices = drawn(face, surface).vertex_count, words = tangents ? 2 : 1;
   std::vector<float>& out = face.state->floats;
   out.resize((3 + words) * vertices);
   float* directions = out.data() + 3 * vertices;
@@ -468,8 +503,6 @@ const std::vector<Method>& methods() {
     return of_integer(static_cast<std::int64_t>(f.state->surfaces.size()));
   };
   const Call surface_mesh = [](GodotFace& f, const Value* a) { return of_integer(surface_at(f, *a).mesh); };
-  const Call surface_sources = [](GodotFace& f, const Value* a) { return integers_of(f, surface_at(f, *a).sources); };
-  const Call surface_indices = [](GodotFace& f, const Value* a) { return integers_of(f, surface_at(f, *a).indices); };
   static const std::vector<Method> all = {
       {"load_bytes", {Kind::bytes}, Kind::text, load_bytes},
       {"is_loaded", {}, Kind::boolean, is_loaded},
@@ -497,6 +530,8 @@ const std::vector<Method>& methods() {
       {"set_controls", {Kind::floats}, Kind::nothing, set_controls},
       {"get_controls", {}, Kind::floats, get_controls},
       {"set_lod", {Kind::real}, Kind::nothing, set_lod},
+      {"level", {}, Kind::integer, level},
+      {"level_count", {}, Kind::integer, level_count},
       {"set_metres", {Kind::boolean}, Kind::nothing, set_metres},
       {"pose", {}, Kind::integer, pose},
       {"positions", {}, Kind::vectors3, positions},

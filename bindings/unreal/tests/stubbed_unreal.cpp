@@ -7,6 +7,7 @@
  */
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -90,6 +91,64 @@ void check_component(UFaceBakerAsset* asset) {
   that(!component.SetControls(TArray<float>{1}), "a pose of the wrong length is refused");
   component.OnUnregister();
   that(!component.SetControlAt(0, 1), "it is closed");
+}
+
+/* The triangles are those of the level that is posed, and vertices those that they have. */
+void check_levels(UFaceBakerAsset* asset) {
+  UFaceBakerComponent component{FObjectInitializer()};
+  component.Asset = asset;
+  component.OnRegister();
+  const auto model = asset->Load();
+  std::string error;
+  const auto expected = facebaker::unreal::UnrealFace::make(*model, error);
+  const auto& levels = expected->sections()[0].levels;
+  that(levels.size() > 1 && levels[1].indices.size() < levels[0].indices.size(), "there are levels");
+  const float shown[] = {0, 1.5f, 9, 1, 0};
+  for (const float lod : shown) {
+    component.LevelOfDetail = lod;
+    component.SetControlAt(0, model->control(0).maximum * (lod + 1) / 10);
+    tick(component);
+    const std::size_t level = std::min(static_cast<std::size_t>(lod), levels.size() - 1);
+    const UProceduralMeshComponent::StubSection& section = component.sections[0];
+    that(static_cast<std::size_t>(section.indices.Num()) == levels[level].indices.size(), "a level has its triangles");
+    that(static_cast<std::size_t>(section.vertices.Num()) == levels[level].vertex_count, "and their vertices");
+    expected->pose().set_lod(lod);
+    expected->pose().set_control(0, model->control(0).maximum * (lod + 1) / 10);
+    expected->update(error);
+    const float y = expected->buffers(0).positions[1];
+    that(static_cast<float>(section.vertices[0].Y) == y, "which are posed");
+    bool within = true;
+    for (int32 i = 0; i < section.indices.Num(); ++i) within = within && section.indices[i] < section.vertices.Num();
+    that(within, "triangles have vertices that are written");
+  }
+  that(component.sections[0].made == 5, "sections are made anew where the level changes");
+}
+
+/* Crowds stop at faces that nobody sees. */
+void check_visibility(UFaceBakerAsset* asset) {
+  UFaceBakerComponent component{FObjectInitializer()};
+  component.Asset = asset;
+  component.rendered = false;
+  component.OnRegister();
+  const auto model = asset->Load();
+  const auto move = [&](float part) {
+    component.SetControlAt(0, model->control(0).maximum * part);
+    tick(component);
+    return component.sections[0].updates;
+  };
+  that(move(0.1f) == 1, "the first pose is made whether a face is seen or not");
+  that(move(0.2f) == 1, "then none while nobody sees it");
+  component.bPoseWhenNotRendered = true;
+  that(move(0.3f) == 2, "but where that is asked for");
+  component.bPoseWhenNotRendered = false;
+  that(move(0.9f) == 2, "and not otherwise");
+  component.rendered = true;
+  tick(component);
+  that(component.sections[0].updates == 3, "it goes on where it is seen again");
+  bool still = true;
+  for (int32 i = 0; i < component.sections[0].vertices.Num(); ++i)
+    still = still && component.sections[0].motion_xy[i].X == 0 && component.sections[0].motion_xy[i].Y == 0;
+  that(still, "without motion since it was seen last");
 }
 
 /* A skeleton with a bone for each joint, all of them at this height at rest, and moved from there by 5 along x. */
@@ -254,6 +313,10 @@ int main(int count, char** arguments) {
   that(face->AssetImportData && face->AssetImportData->file == (fixtures + "/character.fbk").c_str(),
        "the editor knows its file");
   check_component(face);
+  check_visibility(face);
+  UFaceBakerAsset* levels = import_file(fixtures + "/levels.fbk", context);
+  that(levels != nullptr, "so is one with levels of detail");
+  if (levels) check_levels(levels);
   UFaceBakerAsset* body = import_file(fixtures + "/body.fbk", context);
   that(body != nullptr, "so is one with a skin");
   if (body) check_skeleton(body);
@@ -269,6 +332,8 @@ int main(int count, char** arguments) {
   that(!damaged.Load() && !stub_log().empty(), "a damaged asset is logged");
   delete face->AssetImportData;
   delete face;
+  if (levels) delete levels->AssetImportData;
+  delete levels;
   if (body) delete body->AssetImportData;
   delete body;
   if (driven) delete driven->AssetImportData;

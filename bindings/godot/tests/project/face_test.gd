@@ -26,6 +26,8 @@ func _ready() -> void:
 	_check_errors()
 	_check_properties()
 	_check_materials()
+	_check_levels()
+	_check_seen()
 	_check_saved_scene()
 	_time()
 	print("%d checks of %d faces, %d failed" % [checks, compared, failures])
@@ -268,6 +270,55 @@ func _check_kept(node: MeshInstance, overrides: Array, materials: Array, when: S
 				"surface %d has its override %s" % [s, when])
 	for s in materials.size():
 		_that(node.mesh.surface_get_material(s) == materials[s], "surface %d has its material %s" % [s, when])
+
+
+# The triangles are those of the level that is posed; materials and overrides stay.
+func _check_levels() -> void:
+	var node = FaceBakerMesh.new()
+	add_child(node)
+	node.face_file = "res://faces/levels.fbk"
+	_that(node.face.level_count() == 3, "there are three levels")
+	var material := SpatialMaterial.new()
+	var override := SpatialMaterial.new()
+	node.mesh.surface_set_material(0, material)
+	node.set_surface_material(0, override)
+	var meshes := {}
+	var triangles := []
+	for lod in [0.0, 1.5, 9.0, 1.0, 0.25]:
+		node.level_of_detail = lod
+		node.set_control_at(0, node.face.control_maximum(0) * (0.1 + 0.05 * lod))
+		node.update_pose()
+		var level := int(min(lod, 2.0))
+		_that(node.face.level() == level, "level %d is posed" % level)
+		_that(not meshes.has(level) or meshes[level] == node.mesh, "a level has one mesh")
+		meshes[level] = node.mesh
+		_that(node.mesh.surface_get_material(0) == material, "level %d has the material" % level)
+		_that(node.get_surface_material(0) == override, "level %d has the override" % level)
+		var arrays: Array = node.mesh.surface_get_arrays(0)
+		var indices = arrays[Mesh.ARRAY_INDEX]
+		_that(indices == node.face.surface_indices(0), "level %d has its triangles" % level)
+		_that(arrays[Mesh.ARRAY_VERTEX].size() == node.face.surface_sources(0).size(), "level %d has their vertices" % level)
+		triangles.append(indices.size())
+	_that(triangles[0] > triangles[1] and triangles[1] > triangles[2], "coarser levels have fewer triangles: " + str(triangles))
+	_that(triangles[3] == triangles[1] and triangles[4] == triangles[0], "and finer ones more again")
+	_free(node)
+
+
+# Crowds stop at faces that nobody sees.
+func _check_seen() -> void:
+	var node = FaceBakerMesh.new()
+	add_child(node)
+	node.face_file = "res://faces/tiny.fbk"
+	_that(node.is_seen() or node._notifier != null, "somebody says who is seen")
+	_that(node._notifier.aabb == node.mesh.custom_aabb, "by the bounds of the pose")
+	node.connect("posed", self, "_on_signal", ["seen"])
+	for unseen in [false, true]:
+		node.pose_unseen = unseen
+		node.set_control_at(0, node.face.control_maximum(0) * (0.75 if unseen else 0.5))
+		var before: int = signals.get("seen", 0)
+		node._process(0.0)
+		_that(signals.get("seen", 0) == before + (1 if unseen or node.is_seen() else 0), "it is posed where it is seen")
+	_free(node)
 
 
 # A scene that is saved and loaded has its controls and overrides.

@@ -23,7 +23,11 @@ func _ready() -> void:
 	_check_errors()
 	_check_properties()
 	_check_materials()
+	_check_levels()
+	_check_seen()
 	_check_saved_scene()
+	if rendered:
+		await _check_camera()
 	_time()
 	print("%d checks of %d faces in Godot %s%s, %d failed" % [checks, compared, Engine.get_version_info()["string"],
 			", with the buffers of " + RenderingServer.get_video_adapter_name() if rendered else ", headless", failures])
@@ -195,17 +199,18 @@ func _check_buffers(node: MeshInstance3D, where: String) -> void:
 					where + "the renderer has the pose")
 
 
-# But for tangents of what has no texture coordinates, which mean nothing.
+# But for tangents of what has no texture coordinates, and directions of vertices without a normal (which no triangle of the level
+# has), which mean nothing.
 func _is_same(one: PackedByteArray, other: PackedByteArray, node: MeshInstance3D, surface: int) -> bool:
-	if node.face.surface_uvs(surface).size() > 0:
-		return one == other
-	var count: int = node.face.surface_sources(surface).size()
+	var normals: PackedVector3Array = node.face.surface_normals(surface)
+	var count := normals.size()
 	var stride := (one.size() / count) - 12
+	var compared := stride if node.face.surface_uvs(surface).size() > 0 else 4
 	if one.slice(0, 12 * count) != other.slice(0, 12 * count):
 		return false
 	for i in count:
 		var at := 12 * count + stride * i
-		if one.decode_u32(at) != other.decode_u32(at):
+		if normals[i] != Vector3.ZERO and one.slice(at, at + compared) != other.slice(at, at + compared):
 			return false
 	return true
 
@@ -294,6 +299,86 @@ func _check_kept(node: MeshInstance3D, overrides: Array, materials: Array, when:
 				"surface %d has its override %s" % [s, when])
 	for s in materials.size():
 		_that(node.mesh.surface_get_material(s) == materials[s], "surface %d has its material %s" % [s, when])
+
+
+# The triangles are those of the level that is posed; materials and overrides stay.
+func _check_levels() -> void:
+	var node := _make_node()
+	node.face_file = "res://faces/levels.fbk"
+	_that(node.face.level_count() == 3, "there are three levels")
+	var material := StandardMaterial3D.new()
+	var override := StandardMaterial3D.new()
+	node.mesh.surface_set_material(0, material)
+	node.set_surface_override_material(0, override)
+	var meshes := {}
+	var triangles := []
+	for lod in [0.0, 1.5, 9.0, 1.0, 0.25]:
+		node.level_of_detail = lod
+		node.set_control_at(0, node.face.control_maximum(0) * (0.1 + 0.05 * lod))
+		node.update_pose()
+		var level := int(min(lod, 2.0))
+		_that(node.face.level() == level, "level %d is posed" % level)
+		_that(not meshes.has(level) or meshes[level] == node.mesh, "a level has one mesh")
+		meshes[level] = node.mesh
+		_that(node.mesh.surface_get_material(0) == material, "level %d has the material" % level)
+		_that(node.get_surface_override_material(0) == override, "level %d has the override" % level)
+		var arrays: Array = node.mesh.surface_get_arrays(0)
+		var indices = arrays[Mesh.ARRAY_INDEX]
+		_that(indices == node.face.surface_indices(0), "level %d has its triangles" % level)
+		_that(arrays[Mesh.ARRAY_VERTEX].size() == node.face.surface_sources(0).size(), "level %d has their vertices" % level)
+		_check_buffers(node, "level %d: " % level)
+		triangles.append(indices.size())
+	_that(triangles[0] > triangles[1] and triangles[1] > triangles[2], "coarser levels have fewer triangles: " + str(triangles))
+	_that(triangles[3] == triangles[1] and triangles[4] == triangles[0], "and finer ones more again")
+	node.free()
+
+
+# Crowds stop at faces that nobody sees.
+func _check_seen() -> void:
+	var node := _make_node()
+	node.face_file = "res://faces/tiny.fbk"
+	_that(node.is_seen() or node._notifier != null, "somebody says who is seen")
+	_that(node._notifier.aabb == node.mesh.custom_aabb, "by the bounds of the pose")
+	node.connect("posed", _on_signal.bind("seen"))
+	for unseen in [false, true]:
+		node.pose_unseen = unseen
+		node.set_control_at(0, node.face.control_maximum(0) * (0.75 if unseen else 0.5))
+		var before: int = signals.get("seen", 0)
+		node._process(0.0)
+		_that(signals.get("seen", 0) == before + (1 if unseen or node.is_seen() else 0), "it is posed where it is seen")
+	node.free()
+
+
+# What a camera sees is posed, in every frame; what is behind it is posed where it comes into view.
+func _check_camera() -> void:
+	var before: MeshInstance3D = $Face
+	var behind := _make_node()
+	behind.face_file = "res://faces/tiny.fbk"
+	var size: float = before.mesh.custom_aabb.size.length()
+	var camera := Camera3D.new()
+	add_child(camera)
+	camera.near = 0.01 * size
+	camera.position = before.mesh.custom_aabb.get_center() + Vector3(0, 0, 3 * size)
+	behind.position = camera.position + Vector3(0, 0, 10 * size)
+	camera.current = true
+	await _frames(5)
+	_that(before.is_seen() and not behind.is_seen(), "the camera sees what is before it")
+	var poses := {before: 0, behind: 0}
+	for node in [before, behind]:
+		node.posed.connect(func() -> void: poses[node] += 1)
+		node.set_control_at(0, node.face.control_maximum(0) * 0.35)
+	await _frames(3)
+	_that(poses[before] == 1 and poses[behind] == 0, "what nobody sees is not posed: " + str(poses.values()))
+	behind.position = before.position
+	await _frames(5)
+	_that(behind.is_seen() and poses[behind] == 1, "what comes into view is posed: " + str(poses.values()))
+	camera.free()
+	behind.free()
+
+
+func _frames(count: int) -> void:
+	for i in count:
+		await RenderingServer.frame_post_draw
 
 
 # A scene that is saved and loaded has its controls and overrides.

@@ -269,12 +269,14 @@ class UProceduralMeshComponent : public UObject {
     TArray<FVector> vertices, normals;
     TArray<int32> indices;
     TArray<FVector2D> uvs, motion_xy, motion_z;
-    int updates = 0;
+    int updates = 0, made = 0;
   };
   std::vector<StubSection> sections;
   FActorComponentTickFunction PrimaryComponentTick;
   bool bTickInEditor = false;
+  bool rendered = true;
 
+  bool WasRecentlyRendered(float = 0.2f) const { return rendered; }
   explicit UProceduralMeshComponent(const FObjectInitializer&) {}
   virtual void OnRegister() {}
   virtual void OnUnregister() {}
@@ -284,13 +286,15 @@ class UProceduralMeshComponent : public UObject {
                          const TArray<FVector>& normals, const TArray<FVector2D>& uvs, const TArray<FVector2D>& uvs1,
                          const TArray<FVector2D>& uvs2, const TArray<FVector2D>&, const TArray<FColor>&,
                          const TArray<FProcMeshTangent>&, bool) {
-    sections.resize(static_cast<std::size_t>(section) + 1);
-    sections.back() = {vertices, normals, indices, uvs, uvs1, uvs2};
+    if (sections.size() <= static_cast<std::size_t>(section)) sections.resize(static_cast<std::size_t>(section) + 1);
+    const int made = sections[static_cast<std::size_t>(section)].made + 1;
+    sections[static_cast<std::size_t>(section)] = {vertices, normals, indices, uvs, uvs1, uvs2, 0, made};
   }
   void UpdateMeshSection(int32 section, const TArray<FVector>& vertices, const TArray<FVector>& normals,
                          const TArray<FVector2D>&, const TArray<FVector2D>& uvs1, const TArray<FVector2D>& uvs2,
                          const TArray<FVector2D>&, const TArray<FColor>&, const TArray<FProcMeshTangent>&) {
     StubSection& to = sections.at(static_cast<std::size_t>(section));
+    if (to.vertices.Num() != vertices.Num()) return;  // Unreal logs an error
     to.vertices = vertices, to.normals = normals, to.motion_xy = uvs1, to.motion_z = uvs2;
     ++to.updates;
   }

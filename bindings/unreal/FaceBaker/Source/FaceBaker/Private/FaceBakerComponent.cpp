@@ -56,8 +56,9 @@ void UFaceBakerComponent::Reload() {
   Face = UnrealFace::make(*Model, Error);
   if (!Face) return Fail(Error);
   for (const TPair<FString, float>& Control : Controls) SetControl(Control.Key, Control.Value);
-  for (std::size_t Section = 0; Section < Face->sections().size(); ++Section)
-    FillSection(static_cast<int32>(Section), true);
+  ShownLevel = -1;
+  FillSections();
+  bPosed = false;
 }
 
 int32 UFaceBakerComponent::FindControl(const FString& Name) {
@@ -119,6 +120,8 @@ void UFaceBakerComponent::ResetControls() {
 void UFaceBakerComponent::TickComponent(float Seconds, ELevelTick TickType, FActorComponentTickFunction* Function) {
   Super::TickComponent(Seconds, TickType, Function);
   if (!Face) return;
+  if (bPosed && !bPoseWhenNotRendered && !WasRecentlyRendered()) return Face->forget_motion();
+  bPosed = true;
   Face->pose().set_lod(LevelOfDetail);
   MoveJoints();
   std::string Error;
@@ -131,8 +134,16 @@ void UFaceBakerComponent::TickComponent(float Seconds, ELevelTick TickType, FAct
       break;
   }
   Reported.Reset();
+  FillSections();
+}
+
+// Another level has other triangles, for which Unreal makes the section anew; materials belong to the component, and
+// stay.
+void UFaceBakerComponent::FillSections() {
+  const int32 Level = static_cast<int32>(Face->level());
   for (std::size_t Section = 0; Section < Face->sections().size(); ++Section)
-    FillSection(static_cast<int32>(Section), false);
+    FillSection(static_cast<int32>(Section), Level != ShownLevel);
+  ShownLevel = Level;
 }
 
 // The bone of each joint; joints are at rest until their bones move them.
@@ -171,7 +182,8 @@ void UFaceBakerComponent::MoveJoints() {
 void UFaceBakerComponent::FillSection(int32 Section, bool bCreate) {
   const facebaker::engine::RenderSurface& Surface = Face->sections()[static_cast<std::size_t>(Section)];
   const facebaker::unreal::SectionBuffers& Buffers = Face->buffers(static_cast<std::size_t>(Section));
-  const int32 Count = static_cast<int32>(Surface.sources.size());
+  const facebaker::engine::RenderLevel& Drawn = Surface.levels[Face->level()];
+  const int32 Count = static_cast<int32>(Drawn.vertex_count);
   const bool bTextured = !Surface.uvs.empty();
   Vertices.SetNumUninitialized(Count);
   Normals.SetNumUninitialized(Count);
@@ -204,6 +216,6 @@ void UFaceBakerComponent::FillSection(int32 Section, bool bCreate) {
     return;
   }
   TArray<int32> Indices;
-  for (const std::uint32_t Index : Surface.indices) Indices.Add(static_cast<int32>(Index));
+  for (const std::uint32_t Index : Drawn.indices) Indices.Add(static_cast<int32>(Index));
   CreateMeshSection(Section, Vertices, Indices, Normals, Uvs, MotionXy, MotionZ, NoUvs, NoColours, Tangents, false);
 }

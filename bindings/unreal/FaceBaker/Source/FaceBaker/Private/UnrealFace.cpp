@@ -121,19 +121,21 @@ void UnrealFace::fill_buffers() {
   for (std::size_t s = 0; s < sections_.size(); ++s) {
     SectionBuffers& buffers = buffers_[s];
     const std::vector<std::uint32_t>& sources = sections_[s].sources;
-    for (std::size_t i = 0; i < sources.size(); ++i) {
+    const std::vector<engine::RenderLevel>& levels = sections_[s].levels;
+    const std::uint32_t before = filled_level_ < levels.size() ? levels[filled_level_].vertex_count : 0;
+    for (std::size_t i = 0; i < levels[level()].vertex_count; ++i) {
       const std::size_t from = 3 * static_cast<std::size_t>(sources[i]);
       float now[3];
       axes_.convert_position(positions_.data() + from, now);
       for (std::size_t k = 0; k < 3; ++k) {
-        buffers.motion[3 * i + k] = filled_ ? buffers.positions[3 * i + k] - now[k] : 0;
+        buffers.motion[3 * i + k] = i < before ? buffers.positions[3 * i + k] - now[k] : 0;
         buffers.positions[3 * i + k] = now[k];
       }
       axes_.convert_direction(normals_.data() + from, buffers.normals.data() + 3 * i);
       if (!buffers.tangents.empty()) axes_.convert_direction(tangents_.data() + from, buffers.tangents.data() + 3 * i);
     }
   }
-  filled_ = true;
+  filled_level_ = level();
 }
 
 }  // namespace facebaker::unreal

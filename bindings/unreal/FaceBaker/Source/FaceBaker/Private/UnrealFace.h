@@ -32,12 +32,13 @@ struct DrivenJoint {
   std::array<float, 12> rest{};       ///< its frame at rest, before a skeleton moves it: Unreal's axes and units
 };
 
-/** What a section of a mesh is drawn from: as many entries of three floats as it has vertices. */
+/** What a section of a mesh is drawn from: entries of three floats for its vertices, of which the first
+ * RenderLevel::vertex_count are of the last update(), those behind them of when they were drawn last. */
 struct SectionBuffers {
   std::vector<float> positions;  ///< in centimetres
   std::vector<float> normals;    ///< of unit length
   std::vector<float> tangents;   ///< of unit length; empty for a face without texture coordinates
-  std::vector<float> motion;     ///< position of the frame before, less that of this one
+  std::vector<float> motion;     ///< position of the frame before, less that of this one; 0 where it was not drawn then
 };
 
 /** One character. Of one thread at a time. Allocates nothing once it runs. */
@@ -65,8 +66,10 @@ class UnrealFace {
    * such joint. */
   bool driven_joint_frame(std::uint32_t joint, float* frame) const;
 
-  /** Sections: the polygons of a mesh that have one material. Texture coordinates and triangles never change. */
+  /** Sections: the polygons of a mesh that have one material, at each level of detail. They never change. */
   const std::vector<engine::RenderSurface>& sections() const { return sections_; }
+  /** The level of detail of the last update(): which of RenderSurface::levels is drawn. */
+  std::uint32_t level() const { return pose_.current()->level; }
   /** Of the same index, as of the last update(). */
   const SectionBuffers& buffers(std::size_t section) const { return buffers_[section]; }
 
@@ -79,6 +82,8 @@ class UnrealFace {
   /** To be called once a frame: poses, skins, and fills the buffers where something has changed since the frame before;
    * once more after the last movement, for motion is 0 then. */
   Update update(std::string& error) noexcept;
+  /** Has the next update() write no motion, for where the one before is long ago. */
+  void forget_motion() { filled_level_ = UINT32_MAX; }
 
  private:
   explicit UnrealFace(const Model& model);
@@ -91,7 +96,8 @@ class UnrealFace {
   std::vector<engine::RenderSurface> sections_;
   std::vector<SectionBuffers> buffers_;
   std::vector<float> positions_, normals_, tangents_;  // of the skinned face, in the archive's axes
-  bool joints_moved_ = false, moving_ = false, filled_ = false;
+  std::uint32_t filled_level_ = UINT32_MAX;            // of the buffers
+  bool joints_moved_ = false, moving_ = false;
 };
 
 }  // namespace facebaker::unreal

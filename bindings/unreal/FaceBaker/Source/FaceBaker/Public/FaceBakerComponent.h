@@ -61,9 +61,14 @@ class FACEBAKER_API UFaceBakerComponent : public UProceduralMeshComponent {
   UPROPERTY(EditAnywhere, Category = "FaceBaker")
   TMap<FString, float> Controls;
 
-  /** 0: the whole; fractions lie between two levels. */
+  /** 0: the whole; fractions lie between two levels. The triangles of the level that it is rounded down to are drawn.
+   */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "FaceBaker", meta = (ClampMin = "0"))
   float LevelOfDetail = 0;
+
+  /** Whether the face is posed while no camera sees it, too: for sockets and joints that are asked for all the same. */
+  UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "FaceBaker")
+  bool bPoseWhenNotRendered = false;
 
   /** Bones of the same names as the archive's joints move the face; null: it stays at rest. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "FaceBaker")
@@ -116,12 +121,15 @@ class FACEBAKER_API UFaceBakerComponent : public UProceduralMeshComponent {
   void Fail(const std::string& Error);
   void FindBones(const USkeletalMesh& Mesh);
   void MoveJoints();
+  void FillSections();
   void FillSection(int32 Section, bool bCreate);
 
   std::shared_ptr<const facebaker::Model> Model;
   // Shared, because code that Unreal generates sees these types without their definitions.
   std::shared_ptr<facebaker::unreal::UnrealFace> Face;
   FString Reported;
+  int32 ShownLevel = -1;  // of the triangles that sections have
+  bool bPosed = false;    // since it was loaded: the first pose is made whether it is seen or not
   // Of each joint: the bone of a skeletal mesh, -1 for none, and where that is in its reference pose.
   struct FJointBone {
     int32 Bone;
