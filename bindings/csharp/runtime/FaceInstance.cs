@@ -9,9 +9,10 @@ namespace FaceBaker
     {
         private readonly float[] controls, positions, normals, tangents, sockets, joints;
         private readonly float[] bounds = new float[6];
-        private readonly int lastLevel;
-        private bool posed;
+        private readonly int[] levelVertices;
+        private bool posed, levelOnly, baked;
         private float lod;
+        private int numbers; // of positions
 
         /// <summary>At rest, not posed yet.</summary>
         /// <exception cref="ArgumentNullException">face is null.</exception>
@@ -19,9 +20,11 @@ namespace FaceBaker
         {
             if (face == null) throw new ArgumentNullException(nameof(face));
             Face = face;
-            lastLevel = face.Levels.Count - 1;
+            levelVertices = new int[face.Levels.Count];
+            for (int i = 0; i < levelVertices.Length; ++i) levelVertices[i] = face.Levels[i].VertexCount;
             controls = face.RestControls.ToArray();
             positions = new float[3 * face.VertexCount];
+            numbers = positions.Length;
             normals = new float[positions.Length];
             sockets = new float[12 * face.Sockets.Count];
             joints = new float[12 * face.DrivenJoints.Count];
@@ -69,16 +72,33 @@ namespace FaceBaker
             }
         }
 
+        /// <summary>Whether poses are of the vertices of <see cref="Level"/> alone, in baked order (<see
+        /// cref="FaceBaker.Face.VertexOrder"/>), which takes half of the time at coarse levels; else of all, in the source's
+        /// order.</summary>
+        public bool LevelOnly
+        {
+            get { return levelOnly; }
+            set
+            {
+                if (levelOnly == value) return;
+                levelOnly = value;
+                posed = false;
+            }
+        }
+
         /// <summary>The level of the last pose, whose triangles are drawn: <see cref="Lod"/> rounded down.</summary>
         public int Level { get; private set; }
 
         /// <summary>Positions of the last pose: 3 x <see cref="FaceBaker.Face.VertexCount"/> floats, in the archive's axes and
-        /// units.</summary>
-        public ReadOnlySpan<float> Positions { get { return positions; } }
+        /// units; with <see cref="LevelOnly"/> 3 x that of the level.</summary>
+        public ReadOnlySpan<float> Positions { get { return new ReadOnlySpan<float>(positions, 0, numbers); } }
         /// <summary>Its normals.</summary>
-        public ReadOnlySpan<float> Normals { get { return normals; } }
+        public ReadOnlySpan<float> Normals { get { return new ReadOnlySpan<float>(normals, 0, numbers); } }
         /// <summary>Its tangents; empty for a face without texture coordinates.</summary>
-        public ReadOnlySpan<float> Tangents { get { return tangents; } }
+        public ReadOnlySpan<float> Tangents
+        {
+            get { return new ReadOnlySpan<float>(tangents, 0, Math.Min(numbers, tangents.Length)); }
+        }
         /// <summary>Frames of its sockets, 12 floats each, in the archive's axes and units; see <see
         /// cref="AxisConversion.ApplyFrame"/>.</summary>
         public ReadOnlySpan<float> Sockets { get { return sockets; } }
@@ -96,9 +116,11 @@ namespace FaceBaker
             Face.EvaluateBatch(new PoseBatch(1, controls)
             {
                 Positions = positions, Normals = normals, Tangents = tangents, Sockets = sockets, Joints = joints,
-                Bounds = bounds, Lod = lod
+                Bounds = bounds, Lod = lod, LevelOnly = levelOnly, BakedOrder = levelOnly
             });
-            Level = (int)Math.Min(lod, lastLevel);
+            Level = (int)Math.Min(lod, levelVertices.Length - 1);
+            baked = levelOnly;
+            numbers = levelOnly ? 3 * levelVertices[Level] : positions.Length;
             posed = true;
             return true;
         }
@@ -107,7 +129,7 @@ namespace FaceBaker
         /// does.</summary>
         public void Write(RenderMesh mesh, Span<float> vertices)
         {
-            mesh.Write(positions, normals, tangents, vertices, Level);
+            mesh.Write(Positions, Normals, Tangents, vertices, Level, baked);
         }
     }
 }

@@ -26,15 +26,18 @@ namespace FaceBaker
     {
         private readonly int[] indices;
 
-        internal RenderLevel(int vertexCount, int[] indices, RenderPart[] parts)
+        internal RenderLevel(int vertexCount, int bakedVertices, int[] indices, RenderPart[] parts)
         {
             VertexCount = vertexCount;
+            BakedVertices = bakedVertices;
             this.indices = indices;
             Parts = Array.AsReadOnly(parts);
         }
 
         /// <summary>Its triangles have the first so many of the mesh's vertices.</summary>
         public int VertexCount { get; private set; }
+        /// <summary>These are among the face's first so many in baked order.</summary>
+        internal int BakedVertices { get; private set; }
         /// <summary>Vertices of triangles, in three each; there may be none.</summary>
         public ReadOnlySpan<int> Indices { get { return indices; } }
         /// <summary>The triangles by material: as many parts, of the same materials, at every level.</summary>
@@ -46,7 +49,7 @@ namespace FaceBaker
     /// Made once, immutable; poses are written by <see cref="Write"/>.</summary>
     public sealed unsafe class RenderMesh
     {
-        private readonly int[] sources;
+        private readonly int[] sources, bakedSources; // in the source's order, and in baked order
         private readonly float[] uvs, signs;
 
         /// <summary>The mesh at an index of <see cref="Face.Meshes"/>, in an engine's axes.</summary>
@@ -64,6 +67,7 @@ namespace FaceBaker
             for (int i = levels.Length; i-- > 0;) levels[i] = made.Add(face.Levels[i], mesh);
             Levels = Array.AsReadOnly(levels);
             sources = made.Sources.ToArray();
+            bakedSources = made.BakedSources.ToArray();
             uvs = made.Uvs.ToArray();
             HasTangents = uvs.Length > 0;
             signs = new float[HasTangents ? sources.Length : 0];
@@ -96,21 +100,22 @@ namespace FaceBaker
         public IReadOnlyList<RenderPart> Parts { get { return Levels[0].Parts; } }
 
         /// <summary>Writes posed vertices, interleaved: position, normal, tangent with its sign. positions, normals and
-        /// tangents are of the whole face, as a batch gives them; tangents may be empty where there are none. vertices: of those
-        /// that a level draws, <see cref="RenderLevel.VertexCount"/> x <see cref="VertexFloats"/>. Allocates nothing.</summary>
+        /// tangents are of the whole face, as a batch gives them; tangents may be empty where there are none. bakedOrder:
+        /// they are in baked order, and need not have others than those of the level. vertices: of those that a level draws, <see
+        /// cref="RenderLevel.VertexCount"/> x <see cref="VertexFloats"/>. Allocates nothing.</summary>
         /// <exception cref="ArgumentException">A span is too short.</exception>
         /// <exception cref="ArgumentOutOfRangeException">There is no such level.</exception>
         public void Write(ReadOnlySpan<float> positions, ReadOnlySpan<float> normals, ReadOnlySpan<float> tangents,
-                          Span<float> vertices, int level = 0)
+                          Span<float> vertices, int level = 0, bool bakedOrder = false)
         {
             int count = Levels[level].VertexCount;
-            int needed = 3 * Face.VertexCount;
+            int needed = 3 * (bakedOrder ? Levels[level].BakedVertices : Face.VertexCount);
             if (positions.Length < needed) throw new ArgumentException("Too few positions.", nameof(positions));
             if (normals.Length < needed) throw new ArgumentException("Too few normals.", nameof(normals));
             if (HasTangents && tangents.Length < needed) throw new ArgumentException("Too few tangents.", nameof(tangents));
             if (vertices.Length < count * VertexFloats)
                 throw new ArgumentException("Too few vertices.", nameof(vertices));
-            fixed (int* source = sources)
+            fixed (int* source = bakedOrder ? bakedSources : sources)
             fixed (float* sign = signs, position = &Reference(positions), normal = &Reference(normals),
                    tangent = &Reference(tangents), vertex = &Reference(vertices))
                 WriteVertices(source, count, position, normal, HasTangents ? tangent : null, sign, Axes, vertex);
@@ -146,7 +151,9 @@ namespace FaceBaker
             private readonly FaceMesh whole;
             private readonly bool turned;
             private readonly Dictionary<ulong, int> known = new Dictionary<ulong, int>();
-            public readonly List<int> Sources = new List<int>();
+            private readonly int[] baked; // of each of the face's vertices, where it is in baked order
+            private int bakedVertices;
+            public readonly List<int> Sources = new List<int>(), BakedSources = new List<int>();
             public readonly List<float> Uvs = new List<float>();
 
             public Corners(Face face, FaceMesh whole, bool turned)
@@ -154,6 +161,9 @@ namespace FaceBaker
                 this.face = face;
                 this.whole = whole;
                 this.turned = turned;
+                baked = new int[face.VertexCount];
+                ReadOnlySpan<uint> order = face.VertexOrder;
+                for (int i = 0; i < baked.Length; ++i) baked[order.Length == 0 ? i : (int)order[i]] = i;
             }
 
             private int VertexOf(uint source, long uv)
@@ -164,6 +174,8 @@ namespace FaceBaker
                 vertex = Sources.Count;
                 known.Add(key, vertex);
                 Sources.Add((int)source);
+                BakedSources.Add(baked[source]);
+                bakedVertices = Math.Max(bakedVertices, baked[source] + 1);
                 if (uv >= 0)
                 {
                     Uvs.Add(face.Uvs[2 * (int)uv]);
@@ -196,7 +208,7 @@ namespace FaceBaker
                     parts[i] = new RenderPart(whole.Runs[i].Material, indices.Count, triangles[i].Count);
                     indices.AddRange(triangles[i]);
                 }
-                return new RenderLevel(Sources.Count, indices.ToArray(), parts);
+                return new RenderLevel(Sources.Count, bakedVertices, indices.ToArray(), parts);
             }
 
             // The run of the whole mesh that a level's run belongs to: the next one of its material, or else the first.

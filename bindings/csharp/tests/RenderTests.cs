@@ -70,6 +70,25 @@ namespace FaceBaker.Tests
             }
         }
 
+        // Poses of a level alone give the same vertices to draw.
+        private static void CheckLevelOnly(FaceInstance instance, RenderMesh render)
+        {
+            for (int level = 0; level < render.Levels.Count; ++level)
+            {
+                float[] all = new float[render.Levels[level].VertexCount * render.VertexFloats], alone = new float[all.Length];
+                instance.Lod = level;
+                instance.LevelOnly = false;
+                instance.Pose();
+                instance.Write(render, all);
+                Same(3 * render.Face.VertexCount, instance.Positions.Length, "coordinates of all vertices");
+                instance.LevelOnly = true;
+                That(instance.Pose(), "it is posed anew");
+                instance.Write(render, alone);
+                SameBits(all, alone, "vertices of level " + level);
+                Same(3 * render.Face.Levels[level].VertexCount, instance.Normals.Length, "coordinates of the level");
+            }
+        }
+
         public static void FramesAreConvertedAsPositionsAre()
         {
             // A frame takes (1, 2, 3) somewhere; converted, it takes what (1, 2, 3) becomes to what that becomes.
@@ -140,6 +159,8 @@ namespace FaceBaker.Tests
                     var few = new float[plain.Levels[instance.Level].VertexCount * plain.VertexFloats];
                     instance.Write(plain, few);
                     SameBits(instance.Positions.Slice(3 * plain.Sources[0], 3), new ReadOnlySpan<float>(few, 0, 3), "position");
+                    CheckLevelOnly(instance, plain);
+                    instance.LevelOnly = false;
                     instance.Lod = 0;
                     instance[0] = float.NaN;
                     Throws<FaceBakerException>(() => instance.Pose());

@@ -178,7 +178,7 @@ namespace FaceBaker.Tests
 
         public static void AFrameAllocatesNothing()
         {
-            FaceBakerFace component = Open("character.fbk");
+            FaceBakerFace component = Open("levels.fbk");
             Face face = component.Face;
             var late = (Action)Delegate.CreateDelegate(typeof(Action), component,
                 component.GetType().GetMethod("LateUpdate", BindingFlags.Instance | BindingFlags.NonPublic));
@@ -187,6 +187,7 @@ namespace FaceBaker.Tests
             {
                 if (frame == 500) before = GC.GetAllocatedBytesForCurrentThread();
                 component.SetControl(0, frame * 0.001f);
+                component.LevelOfDetail = frame % 3;
                 late();
             }
             Same(0L, GC.GetAllocatedBytesForCurrentThread() - before, "bytes allocated by 500 frames");

@@ -236,7 +236,7 @@ namespace FaceBaker.Unity
                 face = asset.Acquire();
                 opened = asset;
                 MatchValues();
-                instance = new FaceInstance(face);
+                instance = new FaceInstance(face) { LevelOnly = true };
                 render = new RenderMesh(face, meshName.Length == 0 ? 0 : face.FindMesh(meshName), AxisConversion.ToUnity(face));
                 MakeMesh();
             }
