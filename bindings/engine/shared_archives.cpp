@@ -8,13 +8,13 @@
 namespace facebaker::engine {
 namespace {
 
-std::mutex known_mutex;
+std::mutex archives_mutex;
 std::vector<std::weak_ptr<const SharedArchive>> known_archives;
 
 }  // namespace
 
 std::shared_ptr<const SharedArchive> load_shared(const void* bytes, std::size_t size) {
-  const std::lock_guard lock(known_mutex);
+  const std::lock_guard lock(archives_mutex);
   const auto gone = [](const auto& archive) { return archive.expired(); };
   known_archives.erase(std::remove_if(known_archives.begin(), known_archives.end(), gone), known_archives.end());
   for (const auto& known : known_archives) {
