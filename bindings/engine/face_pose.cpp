@@ -56,6 +56,12 @@ std::size_t SharedScratches::scratch_count() {
 
 FacePose::FacePose(const Model& model)
     : model_(model), scratches_(SharedScratches::of(model)), controls_(model.rest_controls()) {
+  for (std::uint32_t i = 0; i < fb_level_count(model.get()); ++i) {
+    fb_level level;
+    fb_level_init(&level);
+    check(fb_level_at(model.get(), i, &level));
+    level_vertices_.push_back(level.vertex_count);
+  }
   pose();
   previous_ = current_;
 }
@@ -77,6 +83,24 @@ bool FacePose::set_controls(const float* values, std::size_t count) {
 void FacePose::set_lod(float lod) {
   changed_ = changed_ || lod != lod_;
   lod_ = lod;
+}
+
+void FacePose::set_level_only(bool level_only) {
+  changed_ = changed_ || level_only != level_only_;
+  level_only_ = level_only;
+}
+
+void FacePose::write_positions(std::vector<float>& to) const {
+  to.resize(3 * static_cast<std::size_t>(model_.vertex_count()));
+  fb_batch_desc batch;
+  fb_batch_desc_init(&batch);
+  batch.poses = 1;
+  batch.controls = current_->controls.data();
+  batch.control_floats = current_->controls.size();
+  batch.positions = to.data();
+  batch.position_floats = to.size();
+  batch.lod = current_->lod;
+  scratches_->evaluate(batch);
 }
 
 // One that nobody reads: only frames_ holds it.
@@ -124,8 +148,14 @@ bool FacePose::pose() {
   batch.bounds = frame->bounds.data();
   batch.bounds_floats = frame->bounds.size();
   batch.lod = lod_;
+  batch.level_only = level_only_ ? 1 : 0;
+  batch.vertex_order = level_only_ ? FB_ORDER_BAKED : FB_ORDER_SOURCE;
   scratches_->evaluate(batch);
-  frame->level = static_cast<std::uint32_t>(std::min(lod_, static_cast<float>(fb_level_count(model_.get()) - 1)));
+  frame->controls = controls_;
+  frame->lod = lod_;
+  frame->level = static_cast<std::uint32_t>(std::min(lod_, static_cast<float>(level_vertices_.size() - 1)));
+  frame->baked = level_only_;
+  frame->vertex_count = level_vertices_[level_only_ ? frame->level : 0];
   frame->number = current_ ? current_->number + 1 : 1;
   previous_ = current_;
   current_ = frame;

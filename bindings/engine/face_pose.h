@@ -16,8 +16,8 @@
 
 namespace facebaker::engine {
 
-/** A pose as the archive has it: its axes, units and order of vertices; as driven joints have moved it, and before
- * joints of the host do, see LinearSkin. */
+/** A pose in the archive's axes and units, as driven joints have moved it, and before joints of the host do, see
+ * LinearSkin. Arrays of vertices have room for all, of which the first vertex_count are posed. */
 struct PosedFrame {
   std::vector<float> positions;      ///< 3 x vertices, xyz interleaved
   std::vector<float> normals;        ///< 3 x vertices, of unit length
@@ -25,6 +25,10 @@ struct PosedFrame {
   std::vector<float> sockets;        ///< frames of the face's sockets, 12 floats each
   std::vector<float> driven_joints;  ///< frames of its driven joints, 12 floats each
   std::array<float, 6> bounds{};     ///< smallest x, y and z, then the largest
+  std::uint32_t vertex_count = 0;    ///< all in the source's order, or those of the level in baked order
+  bool baked = false;                ///< which of both
+  std::vector<float> controls;       ///< what it is the pose of
+  float lod = 0;                     ///< likewise
   std::uint32_t level = 0;           ///< level of detail whose polygons it is drawn with: lod rounded down
   std::uint64_t number = 0;          ///< 1 for the first pose, and one more for each that differs from the last
 };
@@ -66,6 +70,9 @@ class FacePose {
   bool set_controls(const float* values, std::size_t count);
   /** Level of detail, see fb_batch_desc::lod. */
   void set_lod(float lod);
+  /** Whether the vertices of the level are posed alone, in baked order, which takes half of the time at coarse levels;
+   * all in the source's order at first. */
+  void set_level_only(bool level_only);
 
   /** To be called once a frame. Where something was set since the last call, evaluates a new current frame; the one
    * before becomes the previous one. Otherwise the previous frame becomes the current one, too: nothing moves. Returns
@@ -73,6 +80,9 @@ class FacePose {
   bool pose();
   /** The last pose; the rest pose before the first call of pose(). */
   std::shared_ptr<const PosedFrame> current() const { return current_; }
+  /** Writes the positions of all vertices of the last pose, in the source's order, whatever it has itself. Throws Error
+   * where memory is short. */
+  void write_positions(std::vector<float>& to) const;
   /** That of the frame before, for motion vectors. */
   std::shared_ptr<const PosedFrame> previous() const { return previous_; }
 
@@ -81,9 +91,10 @@ class FacePose {
 
   Model model_;
   std::shared_ptr<SharedScratches> scratches_;
+  std::vector<std::uint32_t> level_vertices_;
   std::vector<float> controls_;
   float lod_ = 0;
-  bool changed_ = true;
+  bool level_only_ = false, changed_ = true;
   std::shared_ptr<PosedFrame> current_, previous_;
   std::vector<std::shared_ptr<PosedFrame>> frames_;  // all there are
 };

@@ -131,10 +131,12 @@ void LinearSkin::apply(const PosedFrame& pose, std::vector<float>& positions, st
   if (influences_ == 0) return;
   const std::uint16_t* joints = fb_skin_joints(model_.get());
   const float* weights = fb_skin_weights(model_.get());
-  for (std::size_t v = 0; v < vertices_; ++v) {
+  const std::uint32_t* order = pose.baked ? fb_vertex_order(model_.get()) : nullptr;
+  for (std::size_t v = 0; v < pose.vertex_count; ++v) {
+    const std::size_t first = influences_ * static_cast<std::size_t>(order ? order[v] : v);
     Frame sum{};
     float total = 0;
-    for (std::size_t i = v * influences_; i < (v + 1) * influences_ && weights[i] > 0; ++i) {
+    for (std::size_t i = first; i < first + influences_ && weights[i] > 0; ++i) {
       add_scaled(sum, weights[i], matrices_.data() + static_cast<std::size_t>(FB_FRAME_FLOATS) * joints[i]);
       total += weights[i];
     }

@@ -32,8 +32,9 @@ class LinearSkin {
    * such joint. */
   bool set_motion(std::uint32_t joint, const float* motion);
 
-  /** Moves positions, normals and tangents of a pose, which driven joints have moved before; outputs are resized.
-   * Directions are turned by the same sums and made unit vectors again. A vertex without influences stays. */
+  /** Moves positions, normals and tangents of a pose, which driven joints have moved before; outputs are laid
+   * out like them. Directions are turned by the same sums and made unit vectors again. A vertex without influences
+   * stays. */
   void apply(const PosedFrame& pose, std::vector<float>& positions, std::vector<float>& normals,
              std::vector<float>& tangents) const;
 

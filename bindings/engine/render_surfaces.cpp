@@ -102,6 +102,14 @@ class SurfaceBuilder {
   std::unordered_map<std::uint64_t, std::uint32_t> vertices_;
 };
 
+// Where each vertex of the source's order is in baked order.
+std::vector<std::uint32_t> baked_places(const Model& model) {
+  const std::uint32_t* order = fb_vertex_order(model.get());
+  std::vector<std::uint32_t> places(model.vertex_count());
+  for (std::uint32_t v = 0; v < places.size(); ++v) places[order ? order[v] : v] = v;
+  return places;
+}
+
 std::vector<RenderSurface> empty_surfaces(const fb_level& whole, std::uint32_t meshes, std::uint32_t levels) {
   std::vector<RenderSurface> surfaces;
   for (std::uint32_t m = 0; m < meshes; ++m)
@@ -172,6 +180,9 @@ std::vector<RenderSurface> render_surfaces(const Model& model, const Axes& axes)
   std::vector<RenderSurface> surfaces = empty_surfaces(level_at(model, 0), meshes, levels);
   std::vector<SurfaceBuilder> builders(surfaces.size(), SurfaceBuilder(model, axes));
   for (std::uint32_t index = levels; index-- > 0;) add_level(level_at(model, index), index, meshes, surfaces, builders);
+  const std::vector<std::uint32_t> places = baked_places(model);
+  for (RenderSurface& surface : surfaces)
+    for (const std::uint32_t source : surface.sources) surface.baked.push_back(places[source]);
   return surfaces;
 }
 

@@ -55,9 +55,13 @@ struct RenderSurface {
   std::uint32_t mesh = 0;              ///< index of its mesh
   std::uint32_t material = 0;          ///< index of its material, or FB_NO_MATERIAL
   std::vector<std::uint32_t> sources;  ///< for each vertex, the face's
+  std::vector<std::uint32_t> baked;    ///< likewise, where that is in baked order (fb_vertex_order)
   std::vector<float> uvs;              ///< 2 a vertex; empty for a face without texture coordinates
   std::vector<float> tangent_signs;    ///< 1 a vertex, or empty likewise: bitangent = sign * cross(normal, tangent)
   std::vector<RenderLevel> levels;     ///< fb_level_count of them
+
+  /** Where its vertices are among those of a pose, see PosedFrame::baked. */
+  const std::vector<std::uint32_t>& places(bool in_baked_order) const { return in_baked_order ? baked : sources; }
 };
 
 /** Every run of polygons of every mesh, in their order. Polygons of a coarser level belong to the run of their mesh

@@ -137,11 +137,12 @@ void make_surfaces(State& state) {
 Value surface_vectors(GodotFace& face, const Value& index, const std::vector<float>& vectors,
                       void (engine::Axes::*convert)(const float*, float*) const) {
   const engine::RenderSurface& surface = surface_at(face, index);
+  const std::vector<std::uint32_t>& places = surface.places(posed(*face.state).current()->baked);
   const std::size_t vertices = drawn(face, surface).vertex_count;
   std::vector<float>& out = face.state->floats;
   out.resize(3 * vertices);
   for (std::size_t i = 0; i < vertices; ++i)
-    (face.state->axes.*convert)(vectors.data() + 3 * static_cast<std::size_t>(surface.sources[i]), out.data() + 3 * i);
+    (face.state->axes.*convert)(vectors.data() + 3 * static_cast<std::size_t>(places[i]), out.data() + 3 * i);
   return of_array(Kind::vectors3, out.data(), vertices);
 }
 
@@ -153,6 +154,8 @@ Value load_bytes(GodotFace& face, const Value* arguments) {
     state.pose.reset();
     state.archive = engine::load_shared(arguments[0].data, arguments[0].count);
     state.pose.emplace(state.archive->model);
+    state.pose->set_level_only(true);
+    state.pose->pose();
     make_surfaces(state);
     return of_text("");
   } catch (const Error& error) {
@@ -249,8 +252,7 @@ Value set_metres(GodotFace& face, const Value* arguments) {
 }
 
 Value positions(GodotFace& face, const Value*) {
-  const auto frame = posed(*face.state).current();
-  face.state->floats = frame->positions;
+  posed(*face.state).write_positions(face.state->floats);
   return of_array(Kind::vectors3, face.state->floats.data(), face.state->floats.size() / 3);
 }
 
@@ -350,11 +352,12 @@ Value surface_normals(GodotFace& face, const Value* arguments) {
 Value surface_tangents(GodotFace& face, const Value* arguments) {
   const engine::RenderSurface& surface = surface_at(face, arguments[0]);
   const auto frame = posed(*face.state).current();
+  const std::vector<std::uint32_t>& places = surface.places(frame->baked);
   std::vector<float>& out = face.state->floats;
   const std::size_t vertices = surface.uvs.empty() ? 0 : drawn(face, surface).vertex_count;
   out.resize(4 * vertices);
   for (std::size_t i = 0; i < vertices; ++i) {
-    face.state->axes.convert_direction(frame->tangents.data() + 3 * static_cast<std::size_t>(surface.sources[i]),
+    face.state->axes.convert_direction(frame->tangents.data() + 3 * static_cast<std::size_t>(places[i]),
                                        out.data() + 4 * i);
     out[4 * i + 3] = surface.tangent_signs[i];
   }
@@ -371,13 +374,14 @@ Value surface_uvs(GodotFace& face, const Value* arguments) {
 Value surface_bytes(GodotFace& face, const Value* arguments) {
   const engine::RenderSurface& surface = surface_at(face, arguments[0]);
   const auto frame = posed(*face.state).current();
+  const std::vector<std::uint32_t>& places = surface.places(frame->baked);
   const engine::Axes& axes = face.state->axes;
   std::vector<float>& out = face.state->floats;
   const std::size_t stride = surface.uvs.empty() ? 6 : 12;
   const std::size_t vertices = drawn(face, surface).vertex_count;
   out.resize(stride * vertices);
   for (std::size_t i = 0; i < vertices; ++i) {
-    const std::size_t from = 3 * static_cast<std::size_t>(surface.sources[i]);
+    const std::size_t from = 3 * static_cast<std::size_t>(places[i]);
     float* to = out.data() + stride * i;
     axes.convert_position(frame->positions.data() + from, to);
     axes.convert_direction(frame->normals.data() + from, to + 3);
@@ -435,6 +439,7 @@ void across(const float* normal, float* out) {
 Value surface_vertex_data(GodotFace& face, const Value* arguments) {
   const engine::RenderSurface& surface = surface_at(face, arguments[0]);
   const auto frame = posed(*face.state).current();
+  const std::vector<std::uint32_t>& places = surface.places(frame->baked);
   const engine::Axes& axes = face.state->axes;
   const bool tangents = arguments[1].integer != 0;
   const std::size_t vertices = drawn(face, surface).vertex_count, words = tangents ? 2 : 1;
@@ -442,7 +447,7 @@ Value surface_vertex_data(GodotFace& face, const Value* arguments) {
   out.resize((3 + words) * vertices);
   float* directions = out.data() + 3 * vertices;
   for (std::size_t i = 0; i < vertices; ++i) {
-    const std::size_t from = 3 * static_cast<std::size_t>(surface.sources[i]);
+    const std::size_t from = 3 * static_cast<std::size_t>(places[i]);
     axes.convert_position(frame->positions.data() + from, out.data() + 3 * i);
     float normal[3], tangent[3];
     axes.convert_direction(frame->normals.data() + from, normal);

@@ -75,6 +75,8 @@ UnrealFace::UnrealFace(const Model& model)
     if (!sections_[s].uvs.empty()) buffers_[s].tangents.resize(floats);
     buffers_[s].motion.resize(floats);
   }
+  pose_.set_level_only(true);
+  pose_.pose();
   fill_buffers();
 }
 
@@ -120,11 +122,11 @@ void UnrealFace::fill_buffers() {
   skin_.apply(*pose_.current(), positions_, normals_, tangents_);
   for (std::size_t s = 0; s < sections_.size(); ++s) {
     SectionBuffers& buffers = buffers_[s];
-    const std::vector<std::uint32_t>& sources = sections_[s].sources;
+    const std::vector<std::uint32_t>& places = sections_[s].places(pose_.current()->baked);
     const std::vector<engine::RenderLevel>& levels = sections_[s].levels;
     const std::uint32_t before = filled_level_ < levels.size() ? levels[filled_level_].vertex_count : 0;
     for (std::size_t i = 0; i < levels[level()].vertex_count; ++i) {
-      const std::size_t from = 3 * static_cast<std::size_t>(sources[i]);
+      const std::size_t from = 3 * static_cast<std::size_t>(places[i]);
       float now[3];
       axes_.convert_position(positions_.data() + from, now);
       for (std::size_t k = 0; k < 3; ++k) {
