@@ -2,7 +2,7 @@
 import os
 import re
 
-LANGUAGES = ("sh", "c", "cpp", "csharp", "html", "ts", "gdscript", "python", "cmake", "json", "text", "math", "")
+LANGUAGES = ("sh", "c", "cpp", "csharp", "html", "js", "jsx", "ts", "gdscript", "python", "cmake", "json", "text", "math", "")
 FENCE = re.compile(r"^```(\w*)\s*$")
 DIRECTIVE = re.compile(r"^<!--\s*(skip|file|replace|exact)\b:?\s*(.*?)\s*-->$")
 
