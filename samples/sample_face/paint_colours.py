@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws face_colour.png, the base colours of the sample face.
 
-    facebaker sample sample --poses 20 --out FOLDER
+    facebaker sample sample --poses 20 --no-shots --out FOLDER
     paint_colours.py FOLDER face_colour.png
 
 What a pixel shows is decided by the place of the rest mesh that lies there, in centimetres as anatomy.h has them, so a
