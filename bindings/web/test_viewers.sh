@@ -5,8 +5,9 @@
 # build/web-viewers, and leaves the pictures of both in its folder `pictures`.
 #   bindings/web/test_viewers.sh [VIEWER...] [-- FACE.fbk...]
 # VIEWER: some of three-webgl three-webgpu react babylon babylon-left playcanvas aframe model-viewer; all by default.
-# FACEs are drawn beside golden archives with materials, a skin and driven joints. FB_BUILD: the native build, whose tool
-# exports .glb files for model-viewer, build/release by default; FB_WEB_BUILT=1: build/web is built.
+# FACEs are drawn as they are, beside golden archives with a skin and driven joints, which get materials of all kinds.
+# FB_BUILD: the native build, whose tool exports .glb files for model-viewer, build/release by default; FB_WEB_BUILT=1:
+# build/web is built.
 set -eu
 cd "$(dirname "$0")/../.."
 root=$PWD

@@ -17,7 +17,7 @@ offer(async (canvas, view) => {
   canvas.remove(); // it makes its own
   document.body.insertAdjacentHTML("beforeend",
     `<a-scene embedded style="width: ${size}px; height: ${size}px" vr-mode-ui="enabled: false" loading-screen="enabled: false" ` +
-    `renderer="antialias: false" light="defaultLightsEnabled: false"><a-entity camera wasd-controls-enabled="false" look-controls-enabled="false"></a-entity></a-scene>`);
+    `renderer="antialias: false" light="defaultLightsEnabled: false"><a-entity camera></a-entity></a-scene>`);
   const element = document.querySelector("a-scene") as unknown as SceneElement;
   await until(() => element.hasLoaded && !!element.renderer && !!element.camera, "A-Frame's scene");
   const { renderer, object3D: scene } = element, camera = makeCamera(view);

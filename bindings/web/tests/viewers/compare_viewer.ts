@@ -38,8 +38,10 @@ export interface Compared {
 
 export interface CompareOptions {
   archive: string;
-  /** The viewer shows the .glb of morph targets that `facebaker export` writes: the face keeps its materials and its joints
-   * stay at rest, poses have one control each at an end of its range, normals are those of triangles. */
+  /** Gives the face materials of all kinds in place of its own. */
+  dressed: boolean;
+  /** The viewer shows the .glb of morph targets that `facebaker export` writes: joints stay at rest, poses have one control
+   * each at an end of its range, normals are those of triangles. */
   morphTargets: boolean;
   /** Takes the face for one whose z axis points up. */
   zUp: boolean;
@@ -195,9 +197,9 @@ class Comparison {
 /** Puts `facebakerViewer` on the page, which the test calls. */
 export function offer(makeStage: MakeStage): void {
   const run = async (options: CompareOptions): Promise<Compared> => {
-    const { archive, morphTargets, zUp } = options;
+    const { archive, morphTargets, dressed, zUp } = options;
     watchGpu();
-    if (!morphTargets) await dressFaces();
+    if (dressed) await dressFaces();
     if (zUp) Object.defineProperty(Face.prototype, "upAxis", { value: "z" });
     const canvas = document.createElement("canvas");
     canvas.width = canvas.height = size;

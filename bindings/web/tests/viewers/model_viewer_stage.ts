@@ -1,11 +1,14 @@
 import { morphTargets } from "./examples/model_viewer.js";
 import { offer } from "./compare_viewer.js";
-import { fieldOfView, pixelsOf, size, type View } from "./viewer_stage.js";
+import { fieldOfView, pixelsOf, size, until, type View } from "./viewer_stage.js";
 
 interface ModelViewer extends HTMLElement {
   src: string | null;
   currentTime: number;
   jumpCameraToGoal(): void;
+  getCameraTarget(): { x: number; y: number; z: number };
+  getCameraOrbit(): { radius: number };
+  getFieldOfView(): number;
   toBlob(options: object): Promise<Blob>;
   updateComplete: Promise<void>;
 }
@@ -22,15 +25,26 @@ function lookFrom({ centre, eye }: View): Record<string, string> {
 
 offer(async (canvas, view) => {
   canvas.remove(); // it makes its own
+  // On a slow machine it draws fewer pixels.
+  (customElements.get("model-viewer") as unknown as { minimumRenderScale: number }).minimumRenderScale = 1;
   const viewer = document.createElement("model-viewer") as unknown as ModelViewer;
   for (const [name, value] of Object.entries({ ...lookFrom(view), loading: "eager", "interaction-prompt": "none" })) viewer.setAttribute(name, value);
   viewer.style.cssText = `width: ${size}px; height: ${size}px; background: black`;
   document.body.append(viewer);
-  const show = (address: string) => new Promise<void>((resolve, reject) => {
-    viewer.addEventListener("load", () => resolve(), { once: true });
-    viewer.addEventListener("error", () => reject(new Error(`${address} is not shown`)), { once: true });
-    viewer.src = address;
-  });
+  const wanted = [...view.centre, Math.hypot(...view.eye.map((value, axis) => value - view.centre[axis]!)), fieldOfView];
+  const settled = () => {
+    viewer.jumpCameraToGoal();
+    const { x, y, z } = viewer.getCameraTarget(), { radius } = viewer.getCameraOrbit();
+    return [x, y, z, radius, viewer.getFieldOfView()].every((value, i) => Math.abs(value - wanted[i]!) < 1e-4 * wanted[3]!);
+  };
+  const show = async (address: string) => {
+    await new Promise<void>((resolve, reject) => {
+      viewer.addEventListener("load", () => resolve(), { once: true });
+      viewer.addEventListener("error", () => reject(new Error(`${address} is not shown`)), { once: true });
+      viewer.src = address;
+    });
+    await until(settled, "the camera"); // it frames each file anew, later than it says that it is loaded
+  };
   const hide = () => { viewer.src = null; };
   return {
     backend: "webgl",
@@ -53,7 +67,6 @@ offer(async (canvas, view) => {
       return hide;
     },
     draw: async () => {
-      viewer.jumpCameraToGoal();
       viewer.currentTime = viewer.currentTime; // draws in frames of its own
       for (let frame = 0; frame < 4; ++frame) await new Promise(requestAnimationFrame);
       return pixelsOf(await createImageBitmap(await viewer.toBlob({ mimeType: "image/png" })));

@@ -42,7 +42,8 @@ offer(async (canvas, view) => {
   return {
     backend: app.graphicsDevice.isWebGPU ? "webgpu" : "webgl",
     showFace: async (face) => {
-      const { entity, pose, remove } = addFace(face, app), { bones } = entity as FaceBakerEntity, rest = bones.map((bone) => bone.getLocalRotation().clone());
+      const { entity, pose, remove } = addFace(face, app), { bones } = entity as FaceBakerEntity;
+      const rest = bones.map((bone) => bone.getLocalRotation().clone());
       return {
         pose(controls, turns) {
           if (turns) bones.forEach((bone, index) => {
@@ -68,6 +69,7 @@ offer(async (canvas, view) => {
       app.render();
       return pixelsOf(canvas);
     },
-    counts: () => ({ entities: app.root.find(() => true).length, buffers: app.graphicsDevice.buffers.size, textures: app.graphicsDevice.textures.size }),
+    counts: () => ({ entities: app.root.find(() => true).length, buffers: app.graphicsDevice.buffers.size,
+                     textures: app.graphicsDevice.textures.size }),
   };
 });

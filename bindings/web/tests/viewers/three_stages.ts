@@ -1,5 +1,5 @@
 // Scenes of three.js, as the stages of all viewers that are made of it have them.
-import { AmbientLight, DirectionalLight, PerspectiveCamera, Scene, type Bone, type Material, type Mesh, type Object3D } from "three";
+import { AmbientLight, DirectionalLight, PerspectiveCamera, Scene, type Bone, type Material, type Mesh, type Object3D, type Quaternion } from "three";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 import type { FaceBakerMesh } from "facebaker/three";
 import { fieldOfView, light, until, type ShownFace, type View } from "./viewer_stage.js";
@@ -43,17 +43,16 @@ export async function addGlb(scene: Object3D, bytes: Uint8Array): Promise<() => 
   return () => freeObject(root);
 }
 
-export function turnBones(bones: readonly Bone[], turns: readonly number[] | null, rest: readonly { x: number; y: number; z: number; w: number }[]): void {
+function turnBones(bones: readonly Bone[], turns: readonly number[] | null, rest: readonly Quaternion[]): void {
   bones.forEach((bone, index) => {
-    const { x, y, z, w } = rest[index]!;
-    bone.quaternion.set(x, y, z, w);
+    bone.quaternion.copy(rest[index]!);
     bone.rotateX(turns?.[index] ?? 0);
   });
 }
 
 /** A FaceBakerMesh as the test wants it. */
 export function shownMesh(mesh: FaceBakerMesh, pose: (controls: Float32Array) => void, remove: () => void): ShownFace {
-  const rest = mesh.bones.map(({ quaternion: { x, y, z, w } }) => ({ x, y, z, w }));
+  const rest = mesh.bones.map(({ quaternion }) => quaternion.clone());
   const maps = () => mesh.materials.flatMap((material) =>
     [material.map, material.normalMap, material.aoMap, material.roughnessMap, material.emissiveMap]).filter((map) => map !== null);
   return {
