@@ -20,14 +20,14 @@ test("contents are those of the archive", async () => {
   assert.equal(face.controls.length, face.controlCount);
   assert.equal(face.findControl("jawOpen"), 0);
   assert.equal(face.findControl(0x251683c4c174b423n), 0); // jaw_open, as facebaker header writes it
-  const open = face.createPose(), { minimum, maximum } = face.controls[0]!;
-  open[0] = maximum;
-  assert.equal(face.blend(face.createPose(), open, 0.5)[0], Math.fround((face.restControls[0]! + maximum) / 2));
-  assert.equal(face.blend(open, face.createPose(), 100)[0], minimum);
+  const opened = face.createPose(), { minimum, maximum } = face.controls[0]!;
+  opened[0] = maximum;
+  assert.equal(face.blend(face.createPose(), opened, 0.5)[0], Math.fround((face.restControls[0]! + maximum) / 2));
+  assert.equal(face.blend(opened, face.createPose(), 100)[0], minimum);
   const partner = face.controls.findIndex(({ mirror }) => mirror >= 0), other = face.controls[partner]!.mirror;
-  open[partner] = face.controls[partner]!.maximum;
-  assert.equal(face.blend(open, null, 1, open), open);
-  assert.equal(open[other], face.controls[other]!.maximum);
+  opened[partner] = face.controls[partner]!.maximum;
+  assert.equal(face.blend(opened, null, 1, opened), opened);
+  assert.equal(opened[other], face.controls[other]!.maximum);
   assert.equal(face.materials[0]!.name, "skin");
   assert.equal(face.materials[0]!.alphaMode, "mask");
   assert(face.images.length > 0 && face.images[0]!.bytes.length > 0);
