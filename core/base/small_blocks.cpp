@@ -23,8 +23,10 @@ void* SmallBlocks::do_allocate(std::size_t bytes, std::size_t alignment) {
     const std::uintptr_t least = begin + chunk->used + sizeof(Chunk*);
     return static_cast<std::size_t>((least + alignment - 1) / alignment * alignment - begin);
   };
-  if (!current_ || place(current_) + bytes > chunk_bytes) {
-    current_ = new (upstream_.allocate(chunk_bytes, chunk_alignment)) Chunk{sizeof(Chunk), 0};
+  if (!current_ || place(current_) + bytes > current_->size) {
+    while (next_chunk_ < sizeof(Chunk) + sizeof(Chunk*) + alignment + bytes) next_chunk_ *= 2;
+    current_ = new (upstream_.allocate(next_chunk_, chunk_alignment)) Chunk{next_chunk_, sizeof(Chunk), 0};
+    if (next_chunk_ < last_chunk) next_chunk_ *= 2;
   }
   const std::size_t at = place(current_);
   std::byte* const block = reinterpret_cast<std::byte*>(current_) + at;
@@ -42,8 +44,11 @@ void SmallBlocks::do_deallocate(void* memory, std::size_t bytes, std::size_t ali
   if (static_cast<std::byte*>(memory) + bytes == reinterpret_cast<std::byte*>(chunk) + chunk->used)
     chunk->used = static_cast<std::size_t>(static_cast<std::byte*>(memory) - reinterpret_cast<std::byte*>(chunk));
   if (--chunk->blocks > 0) return;
-  if (chunk == current_) current_ = nullptr;
-  upstream_.deallocate(chunk, chunk_bytes, chunk_alignment);
+  if (chunk == current_) {
+    current_ = nullptr;
+    next_chunk_ = first_chunk;
+  }
+  upstream_.deallocate(chunk, chunk->size, chunk_alignment);
 }
 
 }  // namespace fb

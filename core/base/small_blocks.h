@@ -6,11 +6,11 @@
 namespace fb {
 
 // Memory of another resource, asked for rarely: small blocks are cut from chunks, which go back when all their blocks
-// have; larger ones are passed on. A chunk of which an eighth is left
-// may have no room for the next block. Not thread-safe.
+// have; larger ones are passed on. Not thread-safe.
 class SmallBlocks final : public std::pmr::memory_resource {
  public:
-  static constexpr std::size_t chunk_bytes = std::size_t(64) << 10, largest = chunk_bytes / 8;
+  // Chunks are of the first size, then twice as large each, up to the last. Blocks beyond `largest` are passed on.
+  static constexpr std::size_t first_chunk = 4 << 10, last_chunk = 64 << 10, largest = last_chunk / 8;
 
   // `upstream` must outlive it, and all blocks must be returned before it ends.
   explicit SmallBlocks(std::pmr::memory_resource& upstream) : upstream_(upstream) {}
@@ -20,7 +20,7 @@ class SmallBlocks final : public std::pmr::memory_resource {
  private:
   // At the beginning of a chunk. Before each block stands the address of its chunk.
   struct Chunk {
-    std::size_t used, blocks;  // bytes from the beginning; blocks that have not been returned
+    std::size_t size, used, blocks;  // bytes; bytes from the beginning; blocks that have not been returned
   };
 
   void* do_allocate(std::size_t bytes, std::size_t alignment) override;
@@ -29,6 +29,7 @@ class SmallBlocks final : public std::pmr::memory_resource {
 
   std::pmr::memory_resource& upstream_;
   Chunk* current_ = nullptr;  // that blocks are cut from
+  std::size_t next_chunk_ = first_chunk;
 };
 
 }  // namespace fb
