@@ -23,13 +23,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from typing import List, Optional
+from typing import Callable, Iterable, List, Optional
 
 sys.dont_write_bytecode = True
 import dist_builds  # noqa: E402
-import dist_parts  # noqa: E402
-from dist_builds import WORK, PLATFORMS, ROOT  # noqa: E402
-from dist_parts import PARTS, Work, engine_package  # noqa: E402
+from dist_builds import PLATFORMS, ROOT, WORK  # noqa: E402
+from dist_parts import PARTS, Work  # noqa: E402
+import engine_package  # noqa: E402 (dist_parts says where it is)
 
 
 def parse(arguments: Optional[List[str]]) -> argparse.Namespace:
@@ -45,7 +45,7 @@ def parse(arguments: Optional[List[str]]) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def names_of(known):  # type: ignore[no-untyped-def]
+def names_of(known: Iterable[str]) -> Callable[[str], List[str]]:
     """Reads a list of names with commas."""
 
     def read(text: str) -> List[str]:

@@ -147,7 +147,8 @@ def godot(version: str, work: Work, out: pathlib.Path) -> None:
     libraries = dict(work.libraries(["linux-x64", "linux-arm64", "windows-x64"]))
     with tempfile.TemporaryDirectory(dir=WORK) as folder:
         addon = pathlib.Path(folder, "addon")
-        others = [word for name in ("linux-arm64", "windows-x64") if name in libraries for word in (f"--{name}", libraries[name].parent)]
+        others = [word for name in ("linux-arm64", "windows-x64") if name in libraries
+                  for word in (f"--{name}", str(libraries[name].parent))]
         run(ROOT / "bindings" / "godot" / "build_addon.sh", "--godot", version, "--headers", headers,
             "--libraries", libraries["linux-x64"].parent, *others, "--out", addon)
         (out / f"facebaker_godot{version}-{VERSION}.zip").write_bytes(zip_bytes(read_members(addon, "addons/facebaker/")))
