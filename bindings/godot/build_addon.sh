@@ -61,9 +61,11 @@ linux() {
 linux "${CXX:-c++}" "$libraries" bin
 # GDNative's header asks for x86's calling convention on every processor.
 [ -z "$arm64" ] || linux "aarch64-linux-gnu-g++ -Wno-attributes" "$arm64" bin/linux-arm64
-# The compiler's runtime is linked into the module, as it is into the library.
+# The compiler's runtime is linked into the module, as it is into the library. The linker would take time and the name of the
+# output's folder into the file.
 [ -z "$windows" ] || module x86_64-w64-mingw32-g++-posix "$windows/facebaker.dll" bin "facebaker_godot$godot.dll" \
-  "$windows/facebaker.dll" -static -s -Wl,--no-insert-timestamp
+  "$windows/facebaker.dll" -static -s -Wl,--no-insert-timestamp \
+  -Wl,--disable-auto-image-base
 cp bindings/godot/addon"$godot"/* LICENSE "$part/"
 python3 -B packager/packages/notices.py "$part" "$(head -n 1 VERSION)" "$libraries/libfacebaker.so" \
   ${arm64:+"$arm64/libfacebaker.so"} ${windows:+"$windows/facebaker.dll"}
