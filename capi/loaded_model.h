@@ -33,13 +33,14 @@ struct fb_model {
         budget(taken->budget),
         charged(memory, budget),
         blocks(charged),
-        evaluator(charge_names(archive.model, budget), {desc.allocator.allocate ? &blocks : nullptr, &budget},
+        kept(desc.allocator.allocate ? static_cast<std::pmr::memory_resource&>(blocks) : charged),
+        evaluator(charge_names(archive.model, budget), {desc.allocator.allocate ? &kept : nullptr, &kept},
                   fb::runtime::choose_kernels(desc.instruction_set)),
         rest_pose(archive.model.schema.rest_pose()),
-        polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &blocks),
-        polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &blocks),
-        uv_corners(archive.model.rest.uv_corners.begin(), archive.model.rest.uv_corners.end(), &blocks),
-        uvs(archive.model.rest.uvs.begin(), archive.model.rest.uvs.end(), &blocks),
+        polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &kept),
+        polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &kept),
+        uv_corners(archive.model.rest.uv_corners.begin(), archive.model.rest.uv_corners.end(), &kept),
+        uvs(archive.model.rest.uvs.begin(), archive.model.rest.uvs.end(), &kept),
         diagonal(archive.model.rest.diagonal()),
         provenance(std::move(archive.model.provenance)),
         error_regions(std::move(archive.model.expected.regions)),
@@ -70,6 +71,7 @@ struct fb_model {
   fb::MemoryBudget& budget;      // that the model's own memory is charged to
   fb::ChargedMemory charged;
   fb::SmallBlocks blocks;
+  std::pmr::memory_resource& kept;  // of what the model is made of: a host is asked for chunks, malloc for each block
   fb::runtime::Evaluator evaluator;
   std::vector<float> rest_pose;
   std::pmr::vector<std::uint32_t> polygon_sizes, polygon_corners, uv_corners;
