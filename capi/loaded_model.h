@@ -18,7 +18,8 @@ namespace fb::capi {
 
 // What a call to load takes memory from: the host's, up to a limit.
 struct LoadMemory {
-  explicit LoadMemory(const fb_load_desc& desc) : host(desc.allocator), budget(desc.max_model_bytes, host) {}
+  explicit LoadMemory(const fb_load_desc& desc)
+      : host(desc.allocator), budget(desc.max_model_bytes, desc.allocator.allocate ? &host : nullptr) {}
   HostMemory host;
   MemoryBudget budget;
 };

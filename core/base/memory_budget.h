@@ -16,10 +16,14 @@ namespace fb {
 // before it exceeds the limit. Not thread-safe.
 class MemoryBudget final : public std::pmr::memory_resource {
  public:
-  // `memory`: where it takes from; it must outlive this object and what is made by resize() and reserve().
-  explicit MemoryBudget(std::uint64_t limit = UINT64_MAX,
-                        std::pmr::memory_resource& memory = *std::pmr::new_delete_resource())
-      : memory_(memory), charging_(*this), blocks_(charging_), limit_(limit) {}
+  // `host`: where it takes from instead of the heap. It and this object must outlive what is made here, but for the
+  // vectors that resize() and reserve() fill, which do not need this object without a host.
+  explicit MemoryBudget(std::uint64_t limit = UINT64_MAX, std::pmr::memory_resource* host = nullptr)
+      : hosted_(host),
+        memory_(host ? *host : *std::pmr::new_delete_resource()),
+        charging_(*this),
+        blocks_(charging_),
+        limit_(limit) {}
   MemoryBudget(const MemoryBudget&) = delete;
   MemoryBudget& operator=(const MemoryBudget&) = delete;
 
@@ -45,11 +49,16 @@ class MemoryBudget final : public std::pmr::memory_resource {
     items.resize(static_cast<std::size_t>(count));
   }
 
-  // The same of a vector that takes memory where this object does.
+  // The same of a vector that takes a host's memory, if there is one, and is then charged as long as it lives.
   template <class T>
   void reserve(std::pmr::vector<T>& items, std::uint64_t count, const char* what) {
-    take(count, sizeof(T), what);
-    move_here(items);
+    const std::uint64_t charged = take(count, sizeof(T), what);
+    if (hosted_) {
+      give_back(charged);
+      // No assignment changes where a vector takes its memory.
+      std::destroy_at(&items);
+      std::construct_at(&items, &blocks_);
+    }
     items.reserve(static_cast<std::size_t>(count));
   }
   template <class T>
@@ -86,13 +95,7 @@ class MemoryBudget final : public std::pmr::memory_resource {
   }
   bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
 
-  // Makes an empty vector take its memory here: no assignment changes where a vector takes it.
-  template <class T>
-  void move_here(std::pmr::vector<T>& items) {
-    std::destroy_at(&items);
-    std::construct_at(&items, &memory_);
-  }
-
+  const bool hosted_;
   std::pmr::memory_resource& memory_;
   Charging charging_;
   SmallBlocks blocks_;
