@@ -32,7 +32,7 @@ Chart::Chart(const FaceMesh& mesh, std::vector<Index> quads, const Ring& seam) :
 void Chart::link(Index a, Index b) {
   const float weight = 1 / std::max(length(places_[a] - places_[b]), 1e-3f);
   for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
-    if (std::ranges::none_of(links_[from], [&](const Link& l) { return l.to == to; }))
+    if (std::ranges::none_of(links_[from], [end = to](const Link& l) { return l.to == end; }))
       links_[from].push_back({to, weight});
 }
 
