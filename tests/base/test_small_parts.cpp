@@ -327,7 +327,7 @@ TEST_CASE("small blocks come from few chunks, which go back when they are empty"
   };
   std::vector<Block> held;
   Random random(3);
-  std::size_t asked = 0, made = 0;
+  std::size_t made = 0;
   for (int round = 0; round < 20000; ++round) {
     if (held.size() < 500 && random.uniform() < 0.6f) {
       const std::size_t size = random.below(round % 50 == 0 ? 40000 : 300), alignment = std::size_t(1)
@@ -336,7 +336,6 @@ TEST_CASE("small blocks come from few chunks, which go back when they are empty"
       CHECK(reinterpret_cast<std::uintptr_t>(memory) % alignment == 0);
       std::fill_n(memory, size, std::byte(held.size()));
       held.push_back({memory, size, alignment});
-      asked += size;
       ++made;
     } else if (!held.empty()) {
       const std::size_t i = random.below(static_cast<std::uint32_t>(held.size()));
