@@ -33,8 +33,7 @@ struct fb_model {
         memory(taken->host),
         budget(taken->budget),
         charged(memory, budget),
-        blocks(charged),
-        kept(desc.allocator.allocate ? static_cast<std::pmr::memory_resource&>(blocks) : charged),
+        kept(desc.allocator.allocate ? static_cast<std::pmr::memory_resource&>(budget) : charged),
         evaluator(charge_names(archive.model, budget), {desc.allocator.allocate ? &kept : nullptr, &kept},
                   fb::runtime::choose_kernels(desc.instruction_set)),
         rest_pose(archive.model.schema.rest_pose()),
@@ -71,7 +70,6 @@ struct fb_model {
   fb::capi::HostMemory& memory;  // of scratches
   fb::MemoryBudget& budget;      // that the model's own memory is charged to
   fb::ChargedMemory charged;
-  fb::SmallBlocks blocks;
   std::pmr::memory_resource& kept;  // of what the model is made of: a host is asked for chunks, malloc for each block
   fb::runtime::Evaluator evaluator;
   std::vector<float> rest_pose;
