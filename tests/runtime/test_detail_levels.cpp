@@ -328,7 +328,7 @@ TEST_CASE("normals and tangents are continuous in the level of detail") {
       CHECK(tangents.size() >= 20);
       Vectors before = fine;
       for (int parts = 1; parts <= 4096; parts += 63) {
-        // Crossing a level first and last, then by steps in which a blend moves little.
+        // At the level first, then by steps in which a blend moves little.
         const Vectors here = at(float(k) + float(parts) * step);
         if (parts == 1) CHECK(distance_at(normals, before.normals, here.normals) < 0.003);
         CHECK(distance_at(normals, before.normals, here.normals) < 0.15);
