@@ -55,7 +55,8 @@ const std::map<std::string, Layers>& law() {
     const Layers written = with(nouns, {"archive reader", "archive writer"});
     const Layers data = {"bake/rig", "bake/dataset"};
     may["bake/linalg"] = nouns;
-    may["bake/rig"] = with(nouns, {"public headers"});
+    may["bake/rights"] = nouns;
+    may["bake/rig"] = with(nouns, {"public headers", "bake/rights"});
     may["bake/rig_process"] = with(nouns, {"bake/rig"});
     may["bake/dataset"] = with(may["bake/rig"], {"bake/rig", "bake/rig_process"});
     may["bake/analysis"] = with(nouns, {"bake/linalg", "bake/rig"});
@@ -77,7 +78,7 @@ const std::map<std::string, Layers>& law() {
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
     may["authoring C ABI"] = with(with(may["C ABI"], may["bake/pipeline"]),
-                                  {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check", "bake/export"});
+                                  {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check", "bake/export", "bake/rights"});
     may["packager"] = {"base", "figures", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/rig/json_field.h"
+#include "bake/rights/rights.h"
+#include "bake/rights/rights_terms.h"
 #include "base/status.h"
 #include "model/character.h"
 
@@ -11,19 +13,12 @@ namespace {
 
 using nlohmann::ordered_json;
 
-void check_texts(const ordered_json& object, std::initializer_list<const char*> keys, const char* inside) {
-  for (const char* key : keys)
-    if (object.contains(key) && !object[key].is_string() && !object[key].is_null())
-      fail(Status::bad_data, "about: %s%s is no string", inside, key);
-}
-
 void check_fields(const ordered_json& about) {
   if (!about.is_object()) fail(Status::bad_data, "about: is no object");
-  check_texts(about, {"name", "author", "contact", "rig", "rig_version", "created"}, "");
-  if (!about.contains("rights") || about["rights"].is_null()) return;
-  const ordered_json& rights = about["rights"];
-  if (!rights.is_object()) fail(Status::bad_data, "about: rights is no object");
-  check_texts(rights, {"licence", "consent", "uses", "expires", "learning"}, "rights ");
+  for (const char* key : {"name", "author", "contact", "rig", "rig_version", "created"})
+    if (about.contains(key) && !about[key].is_string() && !about[key].is_null())
+      fail(Status::bad_data, "about: %s is no string", key);
+  if (about.contains("rights") && !about["rights"].is_null()) check_rights(about["rights"]);
 }
 
 }  // namespace
@@ -51,7 +46,8 @@ ordered_json parse_about(const std::string& text) {
 }
 
 std::string merged_about(const std::string& of_source, const std::string& given) {
-  ordered_json about = of_source.empty() ? ordered_json::object() : parse_about(of_source);
+  ordered_json about = of_source.empty() ? ordered_json::object() : parse_json<ordered_json>(of_source, "about");
+  if (!about.is_object()) fail(Status::bad_data, "about: is no object");
   if (!given.empty()) about.merge_patch(parse_about(given));
   return about_text(about);
 }
@@ -68,9 +64,7 @@ std::string take_licence(std::string& about) {
 }
 
 bool forbids_learning(const std::string& about) {
-  if (about.empty()) return false;
-  const ordered_json json = parse_about(about);
-  return json.contains("rights") && json["rights"].value("learning", "") == "forbidden";
+  return rights_in(about).learning_permission() == Permission::not_allowed;
 }
 
 }  // namespace fb::bake

@@ -34,6 +34,15 @@ TEST_CASE("a licence among the rights is taken out, for a section of its own") {
   CHECK(take_licence(about) == "");
 }
 
+TEST_CASE("what is given can put right what a source says wrongly") {
+  const std::string source = R"({"author":7,"rights":{"ai_training":"never","uses":"film"}})";
+  CHECK(failure(Status::bad_data, [&] { merged_about(source, ""); }) == "about: author is no string");
+  CHECK(merged_about(source, R"({"author":"Ada","rights":{"ai_training":"notAllowed"}})") ==
+        R"({"author":"Ada","rights":{"ai_training":"notAllowed","uses":"film"}})");
+  CHECK(merged_about(R"({"rights":"none"})", R"({"rights":{"uses":"film"}})") == R"({"rights":{"uses":"film"}})");
+  CHECK(failure(Status::bad_data, [] { merged_about("[]", R"({"rig":"3"})"); }) == "about: is no object");
+}
+
 TEST_CASE("whether learning is forbidden is read from the rights alone") {
   CHECK(forbids_learning(R"({"rights":{"learning":"forbidden"}})"));
   for (const char* about : {"", "{}", R"({"learning":"forbidden"})", R"({"rights":{"learning":"allowed"}})"})
