@@ -81,6 +81,8 @@ def headers_of(package: str) -> str:
     """The package with the headers of a shared library's; other packages stay."""
     if package == "libturbojpeg0":
         return package + "-dev"
+    if re.match(r"libssl3(t64)?$", package):
+        return "libssl-dev"
     return re.sub(r"^lib(meshoptimizer|microhttpd|openmpi|mpich|webp|png)[\d.-]+(d|t64)?$", r"lib\1-dev", package)
 
 

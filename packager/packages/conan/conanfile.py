@@ -40,6 +40,7 @@ class FaceBakerRecipe(ConanFile):
             self.requires("eigen/[>=3.4 <6]")
             self.requires("meshoptimizer/[>=0.18 <2]")
             self.requires("nlohmann_json/[>=3.11 <4]")
+            self.requires("openssl/[>=3.0 <4]")
             self.requires("tinygltf/[>=2.7 <3]")
 
     def validate(self):
@@ -84,7 +85,7 @@ class FaceBakerRecipe(ConanFile):
             component.requires = ["zlib::zlib", "xxhash::xxhash"]
             if name == "facebaker_bake":
                 component.requires += ["draco::draco", "eigen::eigen", "meshoptimizer::meshoptimizer",
-                                       "nlohmann_json::nlohmann_json", "tinygltf::tinygltf"]
+                                       "nlohmann_json::nlohmann_json", "openssl::crypto", "tinygltf::tinygltf"]
             if not self.options.shared:
                 component.defines = ["FB_STATIC"]
             if self.settings.os in ("Linux", "FreeBSD"):
