@@ -32,7 +32,7 @@ for page in facebaker facebaker-bake facebaker-export; do
   grep -q OPTIONS page.txt || fail "man $page has no options"
 done
 for file in bash-completion/completions/facebaker zsh/vendor-completions/_facebaker fish/vendor_completions.d/facebaker.fish \
-  thumbnailers/facebaker.thumbnailer mime/packages/facebaker.xml; do
+  thumbnailers/facebaker.thumbnailer mime/packages/facebaker.xml facebaker/facebaker-signature.xml facebaker/facebaker-fido.xml; do
   [ -s /usr/share/$file ] || fail "/usr/share/$file is not installed"
 done
 if [ -f /usr/share/facebaker/viewer/index.html ]; then
