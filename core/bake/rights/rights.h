@@ -18,7 +18,7 @@ struct Rights {
   std::string licence, consent, uses, expires, learning;
   std::string performer, agreement, territory, suspendable, consent_state, recognisable, digital_source_type;
   std::string ai_training, ai_generative_training, data_mining, constraint_info;
-  // Clauses about what is there and is not as FORMAT.md has it; it is taken for the strictest that it could mean.
+  // Clauses about what is there and is not as TEXTS.md has it; it is taken for the strictest that it could mean.
   std::vector<std::string> unread;
   bool unreadable = false;  // all of them: then nothing is allowed
 

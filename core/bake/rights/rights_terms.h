@@ -1,5 +1,5 @@
-// The fields of "rights" of what is said about a character, and the terms that some of them are of: see "about" in
-// FORMAT.md.
+// The fields of "rights" of what is said about a character, and the terms that some of them are of: see "rights" in
+// TEXTS.md.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -22,7 +22,7 @@ std::span<const RightsField> rights_fields();
 // another vocabulary.
 bool is_term_of(const RightsField& field, std::string_view value);
 
-// Fails with bad_data, naming the field, where `rights` is no object, where a field that FORMAT.md names is no string
+// Fails with bad_data, naming the field, where `rights` is no object, where a field that TEXTS.md names is no string
 // (null is none), and where one has terms and says something else.
 void check_rights(const nlohmann::ordered_json& rights);
 

@@ -1,11 +1,13 @@
-// What may be done with a character: fields that disagree, days, and what is not as FORMAT.md has it.
+// What may be done with a character: fields that disagree, days, and what is not as TEXTS.md has it.
 #include "bake/rights/rights.h"
 
 #include <nlohmann/json.hpp>
 
 #include "bake/rig/about.h"
+#include "bake/rights/binding_rights.h"
 #include "bake/rights/rights_terms.h"
 #include "bake_test_support.h"
+#include "base/file.h"
 
 namespace test_rights {
 
@@ -106,6 +108,41 @@ TEST_CASE("rights that cannot be read allow nothing, and nothing said is nothing
   for (const char* about : {"", "{}", R"({"rights":null})", R"({"rights":{}})", R"({"rights":{"shelf":7}})",
                             R"({"author":"Ada","rights":{"learning":""}})"})
     CHECK_MESSAGE(rights_in(about).empty(), about);
+}
+
+TEST_CASE("what binds is said in words, what ended first") {  // the viewer says the same, by the same cases
+  const auto bytes = read_file(FB_RIGHTS_CASES);
+  const auto cases = nlohmann::json::parse(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  REQUIRE(cases.size() > 30);
+  for (const nlohmann::json& one : cases) {
+    const std::string about = one.at("about");
+    CAPTURE(about);
+    const CalendarDay on = *calendar_day_in(one.at("on").get<std::string>());
+    CHECK(rights_in(about).expired(on) == one.at("expired"));
+    CHECK(binding_rights(rights_in(about), on) == one.at("binding").get<std::vector<std::string>>());
+  }
+}
+
+TEST_CASE("the document has what is said, as strict as it is") {
+  const auto document = [](const std::string& fields) {
+    return rights_document(rights(fields), *calendar_day_in("2026-01-01"));
+  };
+  CHECK(document("").dump() == R"({"on":"2026-01-01","expired":false,"binding":[],"unread":[]})");
+  CHECK(
+      document(R"("learning":"allowed","ai_training":"notAllowed","expires":"2025-12-31","suspendable":"no")").dump() ==
+      R"({"on":"2026-01-01","expired":true,"last_day":"2025-12-31","learning":"forbidden","ai_training":"notAllowed",)"
+      R"("ai_generative_training":"allowed","suspendable":false,"binding":["expired: the rights ended on 2025-12-31",)"
+      R"~("learning from it is forbidden (ai_training: notAllowed)"],"unread":[]})~");
+  CHECK(document(R"("data_mining":"constrained","constraint_info":"ask")").at("data_mining") == "constrained");
+  CHECK(document(R"("data_mining":7)").at("unread").dump() == R"(["rights data_mining is no string, but 7"])");
+}
+
+TEST_CASE("words of rights stay in their line and are cut") {
+  const std::vector<std::string> binding =
+      binding_rights(rights("\"uses\":\"a\\nb\\u001b[2J" + std::string(1000, 'c') + "\""), today());
+  REQUIRE(binding.size() == 1);
+  CHECK(binding[0].find_first_of("\n\x1b") == std::string::npos);
+  CHECK(binding[0].size() < 300);
 }
 
 TEST_CASE("every field is read, and refused by name when it is given wrongly") {
