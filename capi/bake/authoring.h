@@ -156,6 +156,8 @@ struct fb_report {
   std::optional<fb_check_result> check;
   std::optional<fb_verify_result> verify;
   std::optional<fb_pack_result> pack;
+  std::optional<fb_rights_result> rights;  // its strings are the next two
+  std::string last_day, binding_rights;
 };
 
 namespace fb::capi {

@@ -3,6 +3,7 @@
 #include "bake/documents.h"
 #include "bake/rig/character_json.h"
 #include "bake/rig/json_field.h"
+#include "bake/rights/binding_rights.h"
 
 namespace fb::capi {
 namespace {
@@ -117,6 +118,8 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
                                   {"coefficients", coefficients_of(model, level)}});
   }
   if (!model.character.about.empty()) document["about"] = bake::object_in(model.character.about);
+  if (const bake::Rights rights = bake::rights_in(model.character.about); !rights.empty())
+    document["rights"] = bake::rights_document(rights, today());
   if (!model.character.thumbnail.empty()) document["thumbnail"] = {{"bytes", model.character.thumbnail.size()}};
   return json_text(document);
 }

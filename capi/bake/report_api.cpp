@@ -139,6 +139,10 @@ fb_status fb_report_verify(const fb_report* report, fb_verify_result* result) {
   return abi_guard([&] { write_result(report, report ? report->verify : std::nullopt, result, "fb_verify_result"); });
 }
 
+fb_status fb_report_rights(const fb_report* report, fb_rights_result* result) {
+  return abi_guard([&] { write_result(report, report ? report->rights : std::nullopt, result, "fb_rights_result"); });
+}
+
 void fb_pack_result_fill(fb_pack_result* to, uint32_t struct_size) {
   fill_struct(to, struct_size, {});
 }

@@ -186,6 +186,61 @@ static void an_archive_is_verified(void** state) {
   assert_int_equal(fb_verify(NULL, NULL), FB_ERROR_INVALID_ARGUMENT);
 }
 
+static void rights_are_judged_by_a_day(void** state) {
+  (void)state;
+  const char* about =
+      "{\"rights\": {\"expires\": \"2024-02-29\", \"learning\": \"allowed\", \"ai_training\": \"constrained\","
+      " \"constraint_info\": \"ask Ada\", \"data_mining\": \"notAllowed\", \"suspendable\": \"yes\"}}";
+  fb_report* report = NULL;
+  assert_ok(fb_rights(about, "2024-02-29", &report));
+  fb_rights_result result;
+  fb_rights_result_init(&result);
+  assert_ok(fb_report_rights(report, &result));
+  assert_true(result.stated == 1 && result.expired == 0 && result.suspendable == 1);
+  assert_int_equal(result.learning, FB_PERMISSION_CONSTRAINED);
+  assert_int_equal(result.ai_training, FB_PERMISSION_CONSTRAINED);
+  assert_int_equal(result.ai_generative_training, FB_PERMISSION_ALLOWED);
+  assert_int_equal(result.data_mining, FB_PERMISSION_NOT_ALLOWED);
+  assert_string_equal(result.last_day, "2024-02-29");
+  assert_string_equal(result.binding,
+                      "the rights end on 2024-02-29\n"
+                      "learning from it is constrained (ai_training: constrained, ask Ada)\n"
+                      "mining it for data is forbidden (data_mining: notAllowed)\n"
+                      "the consent can be suspended; where its state is asked is not said\n");
+  assert_contains(fb_report_json(report), "\"expired\": false");
+  fb_verify_result other;
+  fb_verify_result_init(&other);
+  assert_refused(fb_report_verify(report, &other), FB_ERROR_INVALID_ARGUMENT, "it has no fb_verify_result");
+  fb_report_free(report);
+  assert_ok(fb_rights(about, NULL, &report)); /* today, which is later */
+  assert_ok(fb_report_rights(report, &result));
+  assert_int_equal(result.expired, 1);
+  fb_report_free(report);
+}
+
+static void rights_may_be_missing_or_anything(void** state) {
+  (void)state;
+  fb_report* report = NULL;
+  fb_rights_result result;
+  fb_rights_result_init(&result);
+  assert_ok(fb_rights("", NULL, &report));
+  assert_ok(fb_report_rights(report, &result));
+  assert_true(result.stated == 0 && result.expired == 0 && result.learning == FB_PERMISSION_UNSTATED);
+  assert_string_equal(result.last_day, "");
+  assert_string_equal(result.binding, "");
+  fb_report_free(report);
+  assert_ok(fb_rights("nonsense", "2031-12-31", &report));
+  assert_ok(fb_report_rights(report, &result));
+  assert_true(result.stated == 1 && result.learning == FB_PERMISSION_NOT_ALLOWED);
+  fb_report_free(report);
+  assert_refused(fb_rights("{}", "2031-02-29", &report), FB_ERROR_INVALID_ARGUMENT, "2031-02-29 is no day");
+  assert_refused(fb_rights(NULL, NULL, &report), FB_ERROR_INVALID_ARGUMENT, "about");
+  assert_refused(fb_rights("{}", NULL, NULL), FB_ERROR_INVALID_ARGUMENT, "report");
+  assert_ok(fb_verify(toy_face, &report));
+  assert_refused(fb_report_rights(report, &result), FB_ERROR_INVALID_ARGUMENT, "it has no fb_rights_result");
+  fb_report_free(report);
+}
+
 static void an_archive_is_compared_with_another(void** state) {
   (void)state;
   fb_report* report = NULL;
@@ -357,6 +412,8 @@ int main(void) {
       cmocka_unit_test(an_archive_is_inspected),
       cmocka_unit_test(the_networks_of_an_archive_can_be_evaluated),
       cmocka_unit_test(an_archive_is_verified),
+      cmocka_unit_test(rights_are_judged_by_a_day),
+      cmocka_unit_test(rights_may_be_missing_or_anything),
       cmocka_unit_test(an_archive_is_compared_with_another),
       cmocka_unit_test(an_archive_is_packed_again),
       cmocka_unit_test(a_clip_from_a_file_is_posed),

@@ -6,7 +6,9 @@ facebaker.serve serves a rig to another process."""
 
 from typing import TYPE_CHECKING
 
-from ._bake import Option, bake, check, compare, diff, evaluate, inspect, options, pack, plan, recipes, sample, verify
+from ._bake import (
+    Option, bake, check, compare, diff, evaluate, inspect, options, pack, plan, recipes, rights, sample, verify,
+)  # fmt: skip
 from ._character import (
     Channel,
     Control,
@@ -33,7 +35,7 @@ from ._many import evaluate_many
 
 from ._results import (
     BakeResult, CheckResult, ClipErrors, CompareResult, Errors, EvalResult, Failure, Method, PackResult, PlanResult,
-    Result, SampleResult, VerifyResult,
+    Result, RightsResult, SampleResult, VerifyResult,
 )  # fmt: skip
 from ._rig import Clip, Rig
 from ._solutions import ClipSolution, Solution
@@ -45,10 +47,10 @@ __all__ = [
     "Control", "CorruptError", "DrivenJoint", "Error", "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face",
     "Failure", "FileError", "Image", "InternalError", "InvalidArgumentError", "Joint", "Level", "LimitError",
     "Material", "MaterialRun", "Mesh", "Method", "NotAnArchiveError", "NotFiniteError", "NotFoundError",
-    "OutOfMemoryError", "PackResult", "PlanResult", "Result", "Rig", "RigError", "SampleResult", "Skin", "Socket",
-    "Solution", "Solver", "Source", "SparseColumns", "StoppedError", "Texture", "UnsupportedError", "VerifyResult",
-    "__version__", "bake", "check", "compare", "diff", "evaluate", "evaluate_many", "inspect", "load", "options",
-    "pack", "plan", "recipes", "sample", "save_dataset", "verify",
+    "OutOfMemoryError", "PackResult", "PlanResult", "Result", "Rig", "RigError", "RightsResult", "SampleResult", "Skin",
+    "Socket", "Solution", "Solver", "Source", "SparseColumns", "StoppedError", "Texture", "UnsupportedError",
+    "VerifyResult", "__version__", "bake", "check", "compare", "diff", "evaluate", "evaluate_many", "inspect", "load", "options",
+    "pack", "plan", "recipes", "rights", "sample", "save_dataset", "verify",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

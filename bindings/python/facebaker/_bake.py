@@ -8,6 +8,7 @@ afterwards where a work folder or dataset keeps what is done. Calls fail with th
 from __future__ import annotations
 
 import contextlib
+import datetime
 import json
 import os
 import pathlib
@@ -24,7 +25,8 @@ from ._library import assign
 from ._library import bake_library as library
 from ._progress import Progress
 from ._results import (
-    USES, BakeResult, CheckResult, CompareResult, EvalResult, PackResult, PlanResult, Result, SampleResult, VerifyResult,
+    USES, BakeResult, CheckResult, CompareResult, EvalResult, PackResult, PlanResult, Result, RightsResult, SampleResult,
+    VerifyResult,
 )  # fmt: skip
 from ._rig import SPLITS, Clip
 from ._rig_struct import clip_struct
@@ -267,6 +269,15 @@ def inspect(archive: AnyArchive) -> Result:
     """Everything worth knowing of an archive, as the document of `facebaker inspect`: its `document`."""
     opened = Archive(archive)
     return Result(_reported(Call(), library.fb_inspect, opened.handle), ())
+
+
+def rights(archive: AnyArchive, *, on: Union[str, datetime.date, None] = None) -> RightsResult:
+    """What the rights that an archive states come to on a day: whether they have ended, and what else binds. Nothing keeps
+    a program from a face whose rights have ended; that is its own to decide. archive: a path, bytes or a Face. on: of UTC,
+    "2031-12-31" or a date; None: today."""
+    about = Archive(archive).text("about").encode()
+    day = on.isoformat()[:10] if isinstance(on, datetime.date) else on
+    return RightsResult(_reported(Call(), library.fb_rights, about, text_bytes(day) if day is not None else None), ())
 
 
 def diff(before: AnyArchive, now: AnyArchive) -> Result:

@@ -84,6 +84,10 @@ FB_JOINTS_AUTO = 0
 FB_JOINTS_IGNORE = 1
 FB_JOINTS_CONTROLS = 2
 FB_SOURCE_LIVE = 2
+FB_PERMISSION_UNSTATED = 0
+FB_PERMISSION_ALLOWED = 1
+FB_PERMISSION_CONSTRAINED = 2
+FB_PERMISSION_NOT_ALLOWED = 3
 FB_ACTIVATION_LINEAR = 0
 FB_ACTIVATION_RELU = 1
 FB_ACTIVATION_TANH = 2
@@ -306,6 +310,11 @@ class fb_archive_info(Structure):
         ("control_count", c_uint32), ("feature_count", c_uint32), ("direct_count", c_uint32),
         ("region_count", c_uint32), ("coefficient_count", c_uint32), ("parameter_count", c_uint64),
         ("value_count", c_uint64), ("about", c_char_p), ("thumbnail", c_void_p), ("thumbnail_bytes", c_uint64)]
+class fb_rights_result(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("stated", c_uint32), ("expired", c_uint32), ("learning", c_int32),
+        ("ai_training", c_int32), ("ai_generative_training", c_int32), ("data_mining", c_int32),
+        ("suspendable", c_uint32), ("last_day", c_char_p), ("binding", c_char_p)]
 class fb_section(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("reserved", c_uint32), ("name", c_char_p), ("stored_bytes", c_uint64),
@@ -508,6 +517,9 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_archive_open_memory": (c_int32, [c_void_p, c_uint64, c_char_p, POINTER(c_void_p)]),
     "fb_archive_close": (None, [c_void_p]), "fb_archive_info_fill": (None, [POINTER(fb_archive_info), c_uint32]),
     "fb_archive_describe": (c_int32, [c_void_p, POINTER(fb_archive_info)]),
+    "fb_rights": (c_int32, [c_char_p, c_char_p, POINTER(c_void_p)]),
+    "fb_rights_result_fill": (None, [POINTER(fb_rights_result), c_uint32]),
+    "fb_report_rights": (c_int32, [c_void_p, POINTER(fb_rights_result)]),
     "fb_section_fill": (None, [POINTER(fb_section), c_uint32]),
     "fb_archive_section_at": (c_int32, [c_void_p, c_uint32, POINTER(fb_section)]),
     "fb_archive_note_at": (c_char_p, [c_void_p, c_uint32]),

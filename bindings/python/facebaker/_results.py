@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import datetime
 import json
 import pathlib
 import weakref
@@ -240,6 +241,35 @@ class VerifyResult(Result):
 
     def __repr__(self) -> str:
         return f"<facebaker.VerifyResult: {self.bytes} bytes, {self.poses} poses with the bits that were archived>"
+
+
+class RightsResult(Result):
+    """What the rights that an archive states come to on a day.
+
+    stated: whether there are any. expired: whether they have ended; last_day: on which they hold, or None where no date is
+    said. learning: from the character, "allowed", "constrained" or "forbidden"; ai_training, ai_generative_training,
+    data_mining: "allowed", "constrained" or "notAllowed"; None where nothing is said; where fields disagree the strictest.
+    suspendable: whether the consent can be suspended. binding: clauses about what is not simply permitted, expiry first.
+    unread: clauses about what is not as the format has it, and is taken for the strictest."""
+
+    def __init__(self, report: c_void_p, notes: Sequence[str]) -> None:
+        super().__init__(report, notes)
+        struct = library.filled(abi.fb_rights_result)
+        library.check(library.fb_report_rights(report, struct))
+        self.stated = bool(struct.stated)
+        self.expired = bool(struct.expired)
+        last_day: Optional[str] = self.document.get("last_day")
+        self.last_day = datetime.date.fromisoformat(last_day) if last_day else None
+        self.learning: Optional[str] = self.document.get("learning")
+        self.ai_training: Optional[str] = self.document.get("ai_training")
+        self.ai_generative_training: Optional[str] = self.document.get("ai_generative_training")
+        self.data_mining: Optional[str] = self.document.get("data_mining")
+        self.suspendable = bool(struct.suspendable)
+        self.binding: Tuple[str, ...] = tuple(self.document["binding"])
+        self.unread: Tuple[str, ...] = tuple(self.document["unread"])
+
+    def __repr__(self) -> str:
+        return f"<facebaker.RightsResult: {'; '.join(self.binding) or 'nothing binds'}>"
 
 
 class PackResult(Result):

@@ -1,5 +1,6 @@
 """Baking in this process: rigs of every form, options, results, errors and what stops a call."""
 
+import datetime
 import inspect
 import json
 import os
@@ -303,6 +304,27 @@ class ToolsTest(BakingTest):
         self.assertIn("licence", str(changes.document))
         with self.assertRaises(facebaker.LimitError):
             facebaker.pack(result.path, max_bytes=10)
+
+    def test_rights_are_judged_by_a_day(self):
+        baked = self.bake(toy_rig.make(), recipe="linear")
+        self.assertFalse(facebaker.rights(baked.path).stated)
+        said = {"expires": "2024-02-29", "ai_training": "notAllowed", "learning": "allowed", "suspendable": "yes"}
+        face = facebaker.load(facebaker.pack(baked.path, about={"rights": said}).archive)
+        held, ended = facebaker.rights(face, on="2024-02-29"), facebaker.rights(face, on=datetime.date(2024, 3, 1))
+        self.assertEqual((held.stated, held.expired, ended.expired), (True, False, True))
+        self.assertTrue(facebaker.rights(face).expired)
+        self.assertEqual(held.last_day, datetime.date(2024, 2, 29))
+        permissions = held.learning, held.ai_training, held.ai_generative_training, held.data_mining
+        self.assertEqual(permissions, ("forbidden", "notAllowed", "allowed", None))
+        self.assertTrue(held.suspendable)
+        self.assertEqual(ended.binding[0], "expired: the rights ended on 2024-02-29")
+        self.assertEqual(ended.unread, ())
+        self.assertIn("expired: the rights ended on 2024-02-29", repr(ended))
+        self.assertEqual(facebaker.inspect(face).document["rights"]["expired"], True)
+        with self.assertRaisesRegex(facebaker.InvalidArgumentError, "soon is no day"):
+            facebaker.rights(face, on="soon")
+        with self.assertRaisesRegex(facebaker.BadDataError, 'rights ai_training is "no"'):
+            facebaker.pack(baked.path, about={"rights": {"ai_training": "no"}})
 
     def test_damage_is_found(self):
         data = bytearray(self.bake(toy_rig.make(), recipe="linear").method.archive)

@@ -59,6 +59,44 @@ static inline void fb_archive_info_init(fb_archive_info* to) {
 /** Fills *info. */
 FB_API fb_status fb_archive_describe(const fb_archive* archive, fb_archive_info* info);
 
+struct fb_report;
+
+/** What the rights in what an archive says about its character come to on a day. about: of fb_archive_info or fb_about;
+ * a host that only poses asks this library, too. Rights are read whatever they are: what is not as TEXTS.md has it is
+ * taken for the strictest that it could mean. Where fields disagree the stricter holds. Nothing of the libraries acts
+ * on it but fb_bake, which refuses to train where learning is not allowed; what a host does with it is its own. on:
+ * "2031-12-31", of UTC; null: today. The document of `report`: {"on", "expired", "last_day", "learning", "ai_training",
+ * "ai_generative_training", "data_mining", "suspendable", "binding"[], "unread"[]}; what nothing is said about is
+ * missing. Fails with INVALID_ARGUMENT where `on` is no day. Thread-safe. */
+FB_API fb_status fb_rights(const char* about, const char* on, struct fb_report** report);
+
+/* How far something is permitted: the stricter is the greater. */
+#define FB_PERMISSION_UNSTATED 0    /**< nothing is said */
+#define FB_PERMISSION_ALLOWED 1     /**< without a condition */
+#define FB_PERMISSION_CONSTRAINED 2 /**< on conditions, which the rights have in words */
+#define FB_PERMISSION_NOT_ALLOWED 3 /**< forbidden, or nothing that can be read as more */
+
+/** What binds of rights. Strings are the report's. */
+typedef struct fb_rights_result {
+  uint32_t struct_size;
+  uint32_t stated;                /**< 1: there are rights */
+  uint32_t expired;               /**< 1: they have ended */
+  int32_t learning;               /**< from the character: FB_PERMISSION_..., the strictest of it and the next two */
+  int32_t ai_training;            /**< of models: FB_PERMISSION_..., at least as strict as `learning` is said to be */
+  int32_t ai_generative_training; /**< of models that generate, likewise */
+  int32_t data_mining;            /**< FB_PERMISSION_... */
+  uint32_t suspendable;           /**< 1: the consent can be suspended */
+  const char* last_day;           /**< on which they hold, "2031-12-31"; "" where no date is said */
+  const char* binding;            /**< in words: a line for each that binds, with its newline; expiry first */
+} fb_rights_result;
+
+FB_API void fb_rights_result_fill(fb_rights_result* to, uint32_t struct_size);
+static inline void fb_rights_result_init(fb_rights_result* to) {
+  fb_rights_result_fill(to, (uint32_t)sizeof *to);
+}
+/** Refused with INVALID_ARGUMENT for the report of another call. */
+FB_API fb_status fb_report_rights(const struct fb_report* report, fb_rights_result* result);
+
 /** A section of an archive. */
 typedef struct fb_section {
   uint32_t struct_size;

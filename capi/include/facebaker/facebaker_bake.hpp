@@ -281,6 +281,13 @@ inline Report verify(const Archive& archive) {
   return Report(report);
 }
 
+/** Says what the rights in what is said about a character come to, on a day or today; see fb_rights. */
+inline Report rights(const char* about, const char* on = nullptr) {
+  fb_report* report = nullptr;
+  check(fb_rights(about, on, &report));
+  return Report(report);
+}
+
 /** The frames of an animation in a NumPy file, frames x control_count floats; see fb_clip_file_read. */
 inline std::vector<float> read_clip_file(const std::string& path, std::uint32_t control_count) {
   std::uint64_t frames = 0;
