@@ -9,6 +9,7 @@
 #include "commands/clip_rounding.h"
 #include "commands/control_shapes.h"
 #include "commands/drawn_poses.h"
+#include "commands/face_rights.h"
 #include "commands/pose_animation.h"
 #include "commands/progress_bar.h"
 #include "export/glb_file.h"
@@ -196,6 +197,7 @@ ExportResult export_blendshapes(PoseEvaluator& evaluator, const Poses& poses, co
   scene.texts = {{"licence", options.licence},
                  {"shapes", "weight 1: a control at the end of its range; NAME- at the minimum"}};
   if (options.licence.empty()) scene.texts.erase(scene.texts.begin());
+  carry_about(evaluator.model(), scene.texts);
   scene.figures = {{"shapes_error_max_over_diagonal", error.largest / diagonal},
                    {"shapes_error_rms_over_diagonal", error.rms() / diagonal}};
   if (clip) {

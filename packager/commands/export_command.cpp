@@ -11,6 +11,7 @@
 #include "commands/commands.h"
 #include "commands/export_blendshapes.h"
 #include "commands/export_skinned.h"
+#include "commands/face_rights.h"
 #include "commands/library_options.h"
 #include "commands/pose_controls.h"
 #include "commands/pose_evaluator.h"
@@ -162,11 +163,14 @@ void ExportCommand::run() {
   check_options();
   const facebaker::Archive opened(archive);
   const OutputLock lock = OutputLock::of_file(out);
+  const FaceRights rights(opened.info().about);
   ExportResult result = write(opened);
+  if (!rights.note().empty()) result.notes.insert(result.notes.begin(), rights.note());
   for (const std::string& note : result.notes) print_line(note, "facebaker export: ");
   if (json) {
     nlohmann::ordered_json figures = {{"file", out}};
     figures.update(result.figures);
+    if (rights.stated()) figures["rights"] = rights.document();
     // Bytes that are no UTF-8, as file names may have, are replaced.
     print_result(figures.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     return;

@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "commands/control_shapes.h"
 #include "commands/drawn_poses.h"
+#include "commands/face_rights.h"
 #include "commands/pose_animation.h"
 #include "commands/progress_bar.h"
 #include "export/glb_file.h"
@@ -237,6 +238,7 @@ ExportResult export_skinned(PoseEvaluator& evaluator, const facebaker::Archive& 
     scene.more = control_animations(face, skinned, ends, single, moved);
   }
   if (!options.licence.empty()) scene.texts = {{"licence", options.licence}};
+  carry_about(evaluator.model(), scene.texts);
   scene.figures = {{"error_max_over_diagonal", played.error.largest / character.mesh.diagonal()},
                    {"error_rms_over_diagonal", played.error.rms() / character.mesh.diagonal()}};
   result.notes = write_glb(path, scene);

@@ -11,6 +11,7 @@
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/face_rights.h"
 #include "commands/results.h"
 #include "report/table.h"
 
@@ -20,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct InspectCommand {
-  std::string archive, thumbnail;
+  std::string archive, thumbnail, on;
   bool json = false, controls = false;
 
   void run() const;
@@ -258,6 +259,14 @@ std::string about_lines(const Json& about) {
   return text;
 }
 
+// What binds of the rights: clauses of FaceRights, a line each.
+std::string binding_lines(const Json& document) {
+  std::string text;
+  if (document.contains("rights"))
+    for (const Json& clause : document["rights"].at("binding")) text += clause.get<std::string>() + "\n";
+  return text;
+}
+
 std::string summary_table(const facebaker::Archive& archive, const Json& document) {
   const fb_archive_info info = archive.info();
   const std::string units = document.at("units");
@@ -286,7 +295,8 @@ std::string summary_table(const facebaker::Archive& archive, const Json& documen
 
 std::string inspect_text(const std::string& path, const facebaker::Archive& archive, const Json& document) {
   const fb_archive_info info = archive.info();
-  std::string text = path + "\n" + summary_table(archive, document) + character_tables(document);
+  std::string text =
+      path + "\n" + binding_lines(document) + summary_table(archive, document) + character_tables(document);
   if (document.contains("about")) text += about_lines(document["about"]);
   for (const Json& region : document.at("network").at("regions"))
     text += "network \"" + region.at("name").get<std::string>() + "\": " + layers_text(region) + "\n";
@@ -311,14 +321,15 @@ void InspectCommand::run() const {
     print_result(thumbnail + "\n");
     return;
   }
-  const std::string document = facebaker::inspect(face).json();
+  const std::string text = facebaker::inspect(face).json();
+  Json document = Json::parse(text);
+  if (!on.empty() && document.contains("rights")) document["rights"] = FaceRights(face.info().about, on).document();
   if (json) {
-    print_result(document.c_str());
+    print_result(on.empty() ? text : document.dump(2) + "\n");
     return;
   }
-  const Json parsed = Json::parse(document);
-  print_result(inspect_text(archive, face, parsed).c_str());
-  if (controls) print_result(control_table(parsed).c_str());
+  print_result(inspect_text(archive, face, document).c_str());
+  if (controls) print_result(control_table(document).c_str());
 }
 
 }  // namespace
@@ -329,6 +340,7 @@ void add_inspect(Command tool) {
   add_archive(app, command->archive);
   app.add_flag("--controls", command->controls, "List the controls too (--json always does)");
   const Option json = app.add_flag("--json", command->json, "Print everything as JSON");
+  add_on(app, command->on);
   app.add_option("--thumbnail", command->thumbnail, "Write the picture of the face, a PNG, and nothing else")
       .type_name("FILE.png")
       .not_with(json);

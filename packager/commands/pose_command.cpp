@@ -12,6 +12,7 @@
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/face_rights.h"
 #include "commands/moving_region.h"
 #include "commands/open_beside.h"
 #include "commands/pose_controls.h"
@@ -53,6 +54,7 @@ struct PoseCommand {
 
   std::vector<std::string> files_;  // written
   std::optional<PoseExpectation> expected_;
+  std::optional<FaceRights> rights_;
   std::optional<SceneSummary> summary_;
   double worst_ = 0;  // largest distance from the true rig over the diagonal, with --beside
 };
@@ -146,6 +148,7 @@ void PoseCommand::print(const Poses& poses) const {
     nlohmann::ordered_json figures = {{"files", files_}, {"frames", poses.frames}, {"clamped", poses.clamped}};
     if (expected_) figures["expected_error"] = expected_->largest, figures["outside"] = expected_->outside;
     if (!beside.empty()) figures["max"] = worst_;
+    if (rights_->stated()) figures["rights"] = rights_->document();
     if (summary_) summary_->add_to(figures);
     // Bytes that are no UTF-8, as file names may have, are replaced.
     print_result(figures.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
@@ -186,6 +189,8 @@ void PoseCommand::run() {
   const OutputLock lock = OutputLock::of_file(out);
   const Poses poses = read_frames(model);
   print_notes(poses.notes);
+  rights_.emplace(fb_about(model.get()));
+  if (!rights_->note().empty()) print_notes({rights_->note()});
   expected_ = expect_errors(model, poses);
   if (expected_)
     if (const auto warning = outside_warning(*expected_, poses.frames)) print_notes({*warning});

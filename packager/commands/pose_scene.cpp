@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "commands/control_targets.h"
 #include "commands/driven_scene.h"
+#include "commands/face_rights.h"
 #include "export/glb_file.h"
 
 namespace fb::tool {
@@ -111,6 +112,7 @@ SceneSummary write_scene(PoseEvaluator& evaluator, const Poses& poses, const Sce
     const std::vector<std::string> more = driven->notes();
     summary.notes.insert(summary.notes.end(), more.begin(), more.end());
   }
+  carry_about(evaluator.model(), scene.texts);
   const std::vector<std::string> left_out = write_glb(path, scene);
   summary.notes.insert(summary.notes.end(), left_out.begin(), left_out.end());
   return summary;
