@@ -79,6 +79,7 @@ fi
 
 cd "$work"
 export VIEWER_POSES="$work/poses" VIEWER_CHARACTER="$character" VIEWER_CHARACTER_POSES="$work/character" \
-  VIEWER_JAW="$jaw" VIEWER_JAW_SOURCE="$work/jaw.glb" VIEWER_JAW_POSES="$work/jaw" VIEWER_REPORTS="$work/reports"
+  VIEWER_JAW="$jaw" VIEWER_JAW_SOURCE="$work/jaw.glb" VIEWER_JAW_POSES="$work/jaw" VIEWER_REPORTS="$work/reports" \
+  VIEWER_RIGHTS="$root/tests/fixtures/rights/cases.json"
 node --test --test-concurrency=1 --test-name-pattern="${VIEWER_ONLY:-.}" *.test.mjs
 echo "pictures: $work/pictures"

@@ -1,6 +1,7 @@
 import { takeToken } from "./app/access_token";
 import { Capture } from "./app/capture";
 import { FaceDragging } from "./app/face_dragging";
+import { readRights } from "./app/face_rights";
 import { keepExpressions } from "./app/kept_expressions";
 import { type LoadedFace, loadFace, prepareFace } from "./app/open_faces";
 import { TimeToFace } from "./app/time_to_face";
@@ -25,6 +26,7 @@ import { startModeBar } from "./ui/mode_bar";
 import { startPlayerBar } from "./ui/player_bar";
 import { startPoseClipboard } from "./ui/pose_clipboard";
 import { PosePanel } from "./ui/pose_panel";
+import { startRightsLine } from "./ui/rights_line";
 import { putPoseIntoAddress, readAddress, sharePose } from "./ui/share";
 import { StartCard } from "./ui/start_card";
 import { startStats } from "./ui/stats";
@@ -62,6 +64,7 @@ function startPanels(viewer: Viewer, dragging: FaceDragging): void {
   startStats(viewer);
   startPlayerBar(viewer);
   startAboutPanel(viewer);
+  startRightsLine(viewer);
   startClipsPanel(viewer, files.open, files.openFolder);
   const addKeyframe = startKeyframesPanel(viewer);
   const nameExpression = startExpressionsPanel(viewer, files.open);
@@ -153,7 +156,7 @@ async function main(): Promise<void> {
   startPanels(viewer, dragging);
   addEventListener("hashchange", () => readAddress(viewer));
   // For the console and for tests.
-  Object.assign(globalThis, { facebakerViewer: { viewer, timing, dragging } });
+  Object.assign(globalThis, { facebakerViewer: { viewer, timing, dragging, readRights } });
   await telling(() => showFirst(viewer, opening));
   await offerHeadset(byId<HTMLButtonElement>("headset"), stage, () => {
     const face = viewer.first?.face;

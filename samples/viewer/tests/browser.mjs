@@ -24,6 +24,7 @@ export const settings = {
   jawSource: process.env.VIEWER_JAW_SOURCE,
   jawPoses: process.env.VIEWER_JAW_POSES,
   reports: process.env.VIEWER_REPORTS,
+  rights: process.env.VIEWER_RIGHTS,
   pictures: process.env.VIEWER_PICTURES,
 };
 

@@ -1,3 +1,4 @@
+import { readRights, today } from "../app/face_rights";
 import type { ShownFace } from "../app/open_faces";
 import type { Viewer } from "../app/viewer";
 import { byId, element } from "./dom";
@@ -52,6 +53,9 @@ function describe(shown: ShownFace): HTMLElement[] {
   });
   list.append(element("dt", {}, speed), time);
   const parts: HTMLElement[] = [element("h2", {}, face.name || name), list];
+  const { binding } = readRights(face.about, today());
+  if (binding.length > 0)
+    parts.push(element("h3", {}, "What binds of its rights"), element("ul", { class: "binding" }, ...binding.map((clause) => element("li", {}, clause))));
   if (face.about) parts.push(element("h3", {}, "About the character"), element("pre", { tabindex: "0" }, pretty(face.about)));
   if (face.provenance) parts.push(element("h3", {}, "Provenance"), element("pre", { tabindex: "0" }, pretty(face.provenance)));
   return parts;
