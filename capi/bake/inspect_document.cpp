@@ -90,6 +90,7 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
       {"polygons", model.rest.polygon_sizes.size()},
       {"diagonal", model.rest.diagonal()},
       {"recipe", recipe.empty() ? Json() : Json(recipe)},
+      {"learned", provenance_of(archive).value("learned", Json())},
       {"bytes", std::move(bytes)},
       {"runtime_bytes", runtime_bytes},
       {"certificate", bake::object_in(archive.text.certificate)},

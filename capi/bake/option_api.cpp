@@ -9,7 +9,7 @@ namespace {
 std::int32_t kind_of(const fb::bake::OptionRow& row) {
   constexpr std::int32_t kinds[] = {FB_OPTION_COUNT, FB_OPTION_COUNT, FB_OPTION_NUMBER, FB_OPTION_FLAG, FB_OPTION_WORD};
   static_assert(std::size(kinds) == std::variant_size_v<fb::bake::OptionRow::Member>);
-  return kinds[row.member.index()];
+  return row.is_path ? FB_OPTION_PATH : kinds[row.member.index()];
 }
 
 // The defaults of all options, as texts that last.

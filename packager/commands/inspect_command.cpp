@@ -278,6 +278,7 @@ std::string summary_table(const facebaker::Archive& archive, const Json& documen
   table.add({"diagonal", format("%g %s", document.at("diagonal").get<double>(), units.c_str())});
   table.add({"up axis", document.at("up_axis")});
   table.add({"recipe", *info.recipe ? info.recipe : "-"});
+  if (document.at("learned").is_string()) table.add({"learned", document.at("learned")});
   table.add({"coefficients", std::to_string(info.coefficient_count)});
   table.add({"network parameters", std::to_string(info.parameter_count)});
   table.add({"basis numbers", std::to_string(info.value_count)});

@@ -35,6 +35,7 @@ class MemorySource : public fb::bake::Source {
   // For tests that need other ranges, groups, poses or vertices.
   fb::RigSchema& edit_schema() { return schema_; }
   fb::Mesh& edit_rest() { return rest_; }
+  fb::Character& edit_character() { return character_; }
   fb::bake::Clip& edit_clip(std::size_t clip) { return clips_.at(clip); }
 
   // Random poses, controls in their range, each active with this probability.
@@ -53,6 +54,7 @@ class MemorySource : public fb::bake::Source {
 
   const fb::RigSchema& schema() const override { return schema_; }
   const fb::Mesh& rest() const override { return rest_; }
+  const fb::Character& character() const override { return character_; }
   const std::vector<fb::bake::Clip>& clips() const override { return clips_; }
   bool live() const override { return live_; }
   bool thread_safe() const override { return true; }
@@ -75,6 +77,7 @@ class MemorySource : public fb::bake::Source {
 
   fb::RigSchema schema_;
   fb::Mesh rest_;
+  fb::Character character_;
   std::vector<fb::bake::Clip> clips_;
   Formula formula_;
   bool live_;

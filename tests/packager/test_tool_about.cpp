@@ -47,13 +47,12 @@ void sample_dataset(const std::string& folder, const Json& about) {
 TEST_CASE("a bake keeps what its source and its user say, and which file it was baked from") {
   const ScratchFolder folder;
   const std::string dataset = folder / "toy", archive = folder / "toy.fbk", more = folder / "more.json";
-  sample_dataset(dataset, {{"author", "Ada"}, {"rights", {{"licence", "CC0-1.0"}, {"learning", "forbidden"}}}});
+  sample_dataset(dataset, {{"author", "Ada"}, {"rights", {{"licence", "CC0-1.0"}, {"learning", "of crowds"}}}});
   fb::write_file(more, std::string(R"({"author": null, "rights": {"uses": "tests"}, "shelf": [1, 2]})"));
   const ToolRun run = run_tool({"bake", dataset, "--out", archive, "--recipe", "linear", "--about", more});
   REQUIRE(run.exit_code == 0);
-  CHECK(run.err.find("\"toy\" says that it may not be learned from") != std::string::npos);
   const Json json = inspect(archive);
-  CHECK(json.at("about") == Json({{"rights", {{"learning", "forbidden"}, {"uses", "tests"}}}, {"shelf", {1, 2}}}));
+  CHECK(json.at("about") == Json({{"rights", {{"learning", "of crowds"}, {"uses", "tests"}}}, {"shelf", {1, 2}}}));
   CHECK(json.at("licence") == "CC0-1.0");
   const Json& files = json.at("provenance").at("source_files");
   REQUIRE(files.size() == 1);
@@ -61,9 +60,35 @@ TEST_CASE("a bake keeps what its source and its user say, and which file it was 
   CHECK(files.at(0).at("bytes") == std::filesystem::file_size(dataset + "/dataset.json"));
   CHECK(files.at(0).at("sha256") == fb::sha256_of_file(dataset + "/dataset.json"));
   const std::string text = run_tool({"inspect", archive}).out;
-  for (const char* line : {"\nrights learning: forbidden\n", "\nrights uses: tests\n", "\nshelf: [1,2]\n",
+  for (const char* line : {"\nrights learning: of crowds\n", "\nrights uses: tests\n", "\nshelf: [1,2]\n",
                            "licence:\nCC0-1.0\n", "  thumbnail"})
     CHECK_MESSAGE(text.find(line) != std::string::npos, line);
+}
+
+TEST_CASE("what may not be learned from is baked without learning, and says so") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "toy.fbk", rights = folder / "rights.json";
+  fb::write_file(rights, std::string(R"({"rights": {"learning": "forbidden"}})"));
+  const std::vector<std::string> bake = {"bake", FB_TOY_RIG, "--out", archive,   "--poses",
+                                         "60",   "--about",  rights,  "--recipe"};
+  const auto by = [&](const char* recipe) {
+    std::vector<std::string> command = bake;
+    command.emplace_back(recipe);
+    return run_tool(command);
+  };
+  const ToolRun refused = by("compact");
+  CHECK(refused.exit_code == 1);
+  CHECK_MESSAGE(refused.err.find("the recipe \"compact\" learns: \"untrained\" does not") != std::string::npos,
+                refused.err);
+  CHECK(!std::filesystem::exists(archive));
+  REQUIRE(by("untrained").exit_code == 0);
+  const Json json = inspect(archive);
+  CHECK(json.at("learned") == "no");
+  CHECK(json.at("provenance").at("learned") == "no");
+  CHECK(json.at("certificate").at("learned") == "no");
+  CHECK(json.at("about").at("rights").at("learning") == "forbidden");
+  CHECK(run_tool({"inspect", archive}).out.find("| learned") != std::string::npos);
+  CHECK(run_tool({"verify", archive}).out.find("\nlearned: no\n") != std::string::npos);
 }
 
 TEST_CASE("a licence that is given comes before that of the source") {

@@ -33,7 +33,7 @@ from ._rig_struct import clip_struct
 from ._source import AnySource, Place, Source
 
 _MEASURES = ("quality", "locality")
-_OPTION_KINDS = ("count", "number", "flag", "word")
+_OPTION_KINDS = ("count", "number", "flag", "word", "path")
 OptionValue = Union[int, float, bool, str]
 
 
@@ -46,7 +46,7 @@ class Option(NamedTuple):
     """An option of bake and compare."""
 
     name: str  # the keyword
-    kind: str  # "count", a whole number, "number", "flag", 0 or 1, or "word", one of `words`
+    kind: str  # "count", a whole number, "number", "flag", 0 or 1, "word", one of `words`, or "path"
     standard: str  # the default, as text
     least: float  # of numbers
     most: float
@@ -56,7 +56,7 @@ class Option(NamedTuple):
 
 
 def options() -> Tuple[Option, ...]:
-    """The numbers, flags and words that decide how a face is baked, as this version of the library has them."""
+    """The numbers, flags, words and paths that decide how a face is baked, as this version of the library has them."""
     found = []
     for index in range(library.fb_option_count()):
         info = library.filled(abi.fb_option_info)

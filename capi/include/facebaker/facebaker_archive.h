@@ -34,7 +34,7 @@ typedef struct fb_archive_info {
   const char* licence;             /**< text */
   const char* certificate;         /**< a JSON object: the errors measured when the face was baked; see FORMAT.md */
   const char* provenance;          /**< a JSON object: how the face was made */
-  const char* certificate_summary; /**< its main figures in words: up to three lines, each with its newline */
+  const char* certificate_summary; /**< its main figures in words: up to four lines, each with its newline */
   uint32_t section_count;          /**< of fb_archive_section_at */
   uint32_t note_count;             /**< of fb_archive_note_at */
   uint32_t proof_poses;            /**< that fb_verify evaluates again */

@@ -262,6 +262,7 @@ FB_API const char* fb_recipe_name(uint32_t index);
 #define FB_OPTION_NUMBER 1 /**< a number with a point or without */
 #define FB_OPTION_FLAG 2   /**< 0 or 1 */
 #define FB_OPTION_WORD 3   /**< one of fb_option_info::words */
+#define FB_OPTION_PATH 4   /**< of a file, UTF-8 */
 
 /* What an option decides, and with that who takes it. */
 #define FB_OPTION_SAMPLING 0 /**< which poses of a live source are learnt from: of fb_bake, fb_compare */

@@ -21,7 +21,6 @@ AnalysisOptions analysis_options(const BakeOptions& options) {
   AnalysisOptions analysis;
   analysis.curve_tolerance = analysis.corrective_tolerance = tolerance;
   analysis.max_knots = max_knots;
-  analysis.joint_factor = 10;
   analysis.seed = options.seed;
   analysis.rig_budget = options.rig_budget;
   return analysis;

@@ -96,8 +96,12 @@ Json independent_errors(const EvalReport& report) {
 
 }  // namespace
 
+const char* learned_text(bool learned) {
+  return learned ? "yes" : "no";
+}
+
 std::string certificate(const CertifiedFace& face) {
-  Json json;
+  Json json = {{"learned", learned_text(face.learned)}};
   add(json["dependency"], face.dependency);
   if (face.held_back.total.frames > 0) {
     add(json["held_back"], face.held_back.total);
@@ -163,6 +167,7 @@ std::string certificate_summary(const std::string& certificate) {
     if (const auto max = figure(figures, "max"))
       text += format("%s: rms %.3g, max %.3g of the diagonal\n", what, figure(figures, "rms").value_or(0), *max);
   };
+  if (json.value("learned", Json()) == learned_text(false)) text += "learned: no\n";
   const char* const measured = measured_part(json);
   const std::map<std::string_view, const char*> names = {{"independent", "certified error on unseen poses"},
                                                          {"held_back", "certified error on poses held back"},

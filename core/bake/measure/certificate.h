@@ -14,6 +14,7 @@ namespace fb::bake {
 
 // What is measured of a packed face and certified.
 struct CertifiedFace {
+  bool learned = true;                    // from sampled poses, which fit networks, say; false: see Learning
   Errors quantisation;                    // against the float model, on training and random poses
   Errors dependency;                      // on training poses
   HeldBackErrors held_back;               // on those that nothing was fitted to; without frames where there are none
@@ -23,6 +24,9 @@ struct CertifiedFace {
   std::vector<LevelErrors> levels;        // of its levels of detail, on the same poses; on training poses without them
   std::vector<std::string> warnings;      // sentences on what is wrong with the face or its rig
 };
+
+// "yes" or "no": what certificates and provenance say as "learned".
+const char* learned_text(bool learned);
 
 // A JSON object, with the key of warnings only where there are some.
 std::string certificate(const CertifiedFace& face);

@@ -22,6 +22,7 @@
 #include "bake/pipeline/composed_rig.h"
 #include "bake/pipeline/drawn_thumbnail.h"
 #include "bake/pipeline/learning_curve.h"
+#include "bake/pipeline/leave_to_learn.h"
 #include "bake/pipeline/overfitting.h"
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
@@ -30,6 +31,7 @@
 #include "bake/rig/about.h"
 #include "bake/rig/changed_rig.h"
 #include "bake/rig/jointless_source.h"
+#include "bake/rig/json_field.h"
 #include "bake/rig/random_pose.h"
 #include "bake/rig/reuse_evaluations.h"
 #include "bake/rig/scaled_source.h"
@@ -73,6 +75,7 @@ std::string provenance_of(const Baked& baked, const PoseSet& poses, const BakeOp
   const std::uint64_t hash = training_hash(poses);
   nlohmann::ordered_json provenance = {{"creator", "FaceBaker " FB_VERSION},
                                        {"recipe", options.recipe},
+                                       {"learned", learned_text(baked.learned)},
                                        {"use", name_of(options.use)},
                                        {"seed", options.seed},
                                        {"source", poses.source().schema().name},
@@ -90,6 +93,7 @@ std::string provenance_of(const Baked& baked, const PoseSet& poses, const BakeOp
   for (const std::filesystem::path& mesh : options.level_meshes)
     provenance["level_meshes"].push_back(mesh.filename().string());
   if (!options.created.empty()) provenance["created"] = options.created;
+  if (!options.consented.empty()) provenance["consent"] = object_in(options.consented);
   return provenance.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -253,7 +257,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   if (recipe.evaluates_rig) compose_rig(evaluator, options, progress);
   WantedPoses wanted;
   if (source.live()) {
-    wanted = wanted_poses(evaluator, options, recipe.evaluates_rig, progress);
+    wanted = wanted_poses(evaluator, options, rig_use(recipe), progress);
     options.poses = wanted.count;
   }
   const BakeOptions sampling = with_budget_left(options, evaluator, 1);
@@ -263,9 +267,9 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   std::unique_ptr<Source> sampled;
   EvaluationPlan plan;
   if (source.live()) {
-    plan = plan_evaluations(evaluator, sampling, recipe.evaluates_rig, progress, wanted.linear);
+    plan = plan_evaluations(evaluator, sampling, rig_use(recipe), progress, wanted.linear);
     progress.note(text_of(plan, options.rig_budget > 0));
-    sampled = sample_poses(evaluator, sampling, SampledSplits::training, recipe.evaluates_rig, progress);
+    sampled = sample_poses(evaluator, sampling, SampledSplits::training, rig_use(recipe), progress);
   }
   Source& data = sampled ? *sampled : source;
   RigEvaluator* const rig = source.live() ? &evaluator : nullptr;
@@ -355,6 +359,7 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& gi
   baked.train_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   baked.stats = std::move(result.stats);
   face.held_back = std::move(result.held_back);
+  baked.learned = learns(recipe, rig != nullptr);
   baked.poses = poses.size();
   baked.coefficients = result.model.basis.columns;
   baked.parameters = result.model.network.parameter_count();
@@ -401,10 +406,9 @@ std::size_t character_bytes(const Character& character) {
 BakeOptions with_character(const BakeOptions& options, const Source& source, Progress& progress) {
   BakeOptions whole = options;
   const Character& character = source.character();
-  whole.about = merged_about(character.about, options.about);
-  if (forbids_learning(whole.about))
-    progress.note(
-        format("\"%s\" says that it may not be learned from (about: rights: learning)", source.schema().name.c_str()));
+  whole.about = about_with(source, options);
+  if (const auto consent = leave_to_learn({options.recipe}, source, whole.about, options, progress))
+    whole.consented = provenance_of(*consent);
   const std::string licence = take_licence(whole.about);
   if (whole.licence.empty()) whole.licence = licence;
   if (!whole.thumbnail.empty()) check_thumbnail(whole.thumbnail);

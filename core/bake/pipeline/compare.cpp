@@ -10,6 +10,7 @@
 #include "bake/pipeline/bake_cache.h"
 #include "bake/pipeline/evaluation_plan.h"
 #include "bake/pipeline/learning_curve.h"
+#include "bake/pipeline/leave_to_learn.h"
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
 #include "bake/pipeline/scaled_archive.h"
@@ -121,10 +122,14 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
   evaluator.set_cache_limit({options.cache_bytes, options.rig_budget > 0});
   check_rig_unchanged(evaluator, options.seed, options.work, progress);
-  const auto evaluating = static_cast<std::size_t>(std::count_if(
-      methods.begin(), methods.end(), [](const std::string& method) { return find_recipe(method).evaluates_rig; }));
-  if (source.live())
-    recorded = sample_poses(evaluator, options, SampledSplits::training_and_test, evaluating > 0, progress);
+  std::size_t evaluating = 0;
+  RigUse use{false, false};  // of all methods
+  for (const std::string& method : methods) {
+    const Recipe& recipe = find_recipe(method);
+    evaluating += recipe.evaluates_rig;
+    use = {use.evaluates || recipe.evaluates_rig, use.learns || learns(recipe, source.live())};
+  }
+  if (source.live()) recorded = sample_poses(evaluator, options, SampledSplits::training_and_test, use, progress);
   Source& data = recorded ? *recorded : source;
   check_splits(data);
 
@@ -160,11 +165,13 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
 CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
                       Progress& progress) {
   if (!source.rest().driven.empty()) {
-    progress.note("methods are compared without the joints that the controls drive, which only compact and hero have");
+    progress.note(
+        "methods are compared without the joints that the controls drive, which only compact, hero and untrained have");
     JointlessSource jointless(source);
     return compare(jointless, methods, options, progress);
   }
   check_methods(methods);
+  leave_to_learn(methods, source, about_with(source, options), options, progress);
   const OutputLock lock = OutputLock::of_folder(options.work);
   const int exponent = scale_exponent(source.rest());
   if (exponent == 0) return compare_ordinary(source, methods, options, progress);

@@ -118,14 +118,14 @@ std::string disk_text(const EvaluationPlan& plan) {
 
 }  // namespace
 
-EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates,
-                                Progress& progress, bool linear) {
+EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, RigUse use, Progress& progress,
+                                bool linear) {
   const RigSchema& schema = rig.schema();
   const bool budgeted = options.rig_budget > 0;
-  const SamplingOptions sampling = sampling_options(rig, options, SampledSplits::training, recipe_evaluates);
+  const SamplingOptions sampling = sampling_options(rig, options, SampledSplits::training, use);
   const std::uint64_t poses = poses_to_draw(rig, sampling),
                       alone = ControlResponses::poses_within(schema, sampling.rig_budget),
-                      first = budgeted && recipe_evaluates ? poses_before_ensemble(rig, sampling, {}) : poses;
+                      first = samples_actively(options, use) ? poses_before_ensemble(rig, sampling, {}) : poses;
   const std::uint64_t drawn = first - (budgeted ? std::min(alone, first) : 0),
                       near = sampling.examples.empty() ? 0 : drawn / 3;
   EvaluationPlan plan;
@@ -140,11 +140,11 @@ EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, b
   add(EvaluationPurpose::examples, near, near);
   add(EvaluationPurpose::ensemble, poses - first, poses - first);
   const std::uint64_t left = budgeted ? options.rig_budget - std::min(options.rig_budget, poses) : UINT64_MAX;
-  const bool analysed = recipe_evaluates && pays_to_analyse(schema, budgeted ? left : 0);
+  const bool analysed = use.evaluates && pays_to_analyse(schema, budgeted ? left : 0);
   const std::uint64_t calls = (linear ? linear_analysis_calls : analysis_calls) * schema.control_count();
   if (analysed) add(EvaluationPurpose::analysis, budgeted ? left : calls, left);
   const std::uint64_t learnt = poses + (options.use == Use::backlot ? sampled_frames(rig, sampling) : 0);
-  const std::uint64_t of_regions = analysed && !budgeted && !linear ? region_pose_count(learnt) : 0;
+  const std::uint64_t of_regions = analysed && use.learns && !budgeted && !linear ? region_pose_count(learnt) : 0;
   add(EvaluationPurpose::regions, of_regions, of_regions);
   const std::uint64_t controls = control_error_calls(schema.control_count());
   const bool measured = !budgeted || (!analysed && left >= controls);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bake/recipe/bake_options.h"
+#include "bake/recipe/recipe.h"
 #include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
 #include "figures/face_figures.h"
@@ -26,11 +27,11 @@ struct EvaluationPlan {
   std::uint64_t free_bytes = UINT64_MAX;  // there; UINT64_MAX: not known
 };
 
-// The plan of a bake whose recipe evaluates the rig itself, or does not, of a rig that is `linear` (see is_linear) or
+// The plan of a bake whose recipe uses the rig so, of a rig that is `linear` (see is_linear) or
 // not known to be. Evaluates a few single controls, which every plan holds, to see how long a pose takes. Fails as
 // sampling does on options that allow for no plan.
-EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates,
-                                Progress& progress, bool linear = false);
+EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, RigUse use, Progress& progress,
+                                bool linear = false);
 
 // A table of stages, or a sentence where there is no budget and all takes less than a minute; then what the disk is to
 // hold.

@@ -84,6 +84,10 @@ void measure_learning_curve(const PoseSet& training, const PoseSet& independent,
                             RigEvaluator* rig, const BakeOptions& options, BakeStats& stats, Progress& progress) {
   if (independent.size() == 0 || training.size() < fewest_poses) return;
   const Recipe& recipe = find_recipe(options.recipe);
+  if (!learns(recipe, rig != nullptr)) {
+    progress.note(format("no learning curve: the recipe \"%s\" learns nothing from poses", recipe.name));
+    return;
+  }
   if (recipe.evaluates_rig && rig && options.rig_budget > 0) {
     progress.note("no learning curve: its bakes would evaluate the rig beyond its budget");
     return;

@@ -4,12 +4,13 @@
 
 #include "bake/baselines/baselines.h"
 #include "bake/face/face_recipe.h"
+#include "bake/face/untrained.h"
 #include "base/status.h"
 
 namespace fb::bake {
 namespace {
 
-constexpr std::array recipes = {Recipe{"linear", make_linear, true},
+constexpr std::array recipes = {Recipe{"linear", make_linear, true, false, false, Learning::recordings},
                                 Recipe{"kanyuk2018", make_kanyuk2018},
                                 Recipe{"bailey2018", make_bailey2018},
                                 Recipe{"kavan2024", make_kavan2024, false, true},
@@ -17,7 +18,8 @@ constexpr std::array recipes = {Recipe{"linear", make_linear, true},
                                 Recipe{"paper-tuned", make_paper_tuned},
                                 Recipe{"paper-gradients", make_paper_gradients},
                                 Recipe{"compact", make_compact, true, true, true},
-                                Recipe{"hero", make_hero, true, true, true}};
+                                Recipe{"hero", make_hero, true, true, true},
+                                Recipe{"untrained", make_untrained, true, true, true, Learning::nothing}};
 
 }  // namespace
 

@@ -12,12 +12,14 @@
 
 namespace fb::bake {
 
-WantedPoses wanted_poses(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates, Progress& progress) {
-  constexpr std::uint64_t of_linear = 2000;
+WantedPoses wanted_poses(RigEvaluator& rig, const BakeOptions& options, RigUse use, Progress& progress) {
+  constexpr std::uint64_t of_linear = 2000, to_measure = 2000;
+  if (use.evaluates && !use.learns && options.poses == 0)
+    return {options.rig_budget > 0 ? std::clamp<std::uint64_t>(options.rig_budget / 4, 1, to_measure) : to_measure};
   // A budget has to leave room for the analysis besides.
   const bool ample = options.rig_budget == 0 || options.rig_budget >= 5 * of_linear;
   const bool free = options.poses == 0 && ample && options.examples.empty();
-  if (!free || !recipe_evaluates || !is_linear(rig, options.seed, progress))
+  if (!free || !use.evaluates || !is_linear(rig, options.seed, progress))
     return {poses_or_usual(options.poses, options.rig_budget)};
   progress.note(format("the rig is linear in its controls: %llu poses are sampled, as its shapes need no more",
                        static_cast<unsigned long long>(of_linear)));
@@ -25,7 +27,7 @@ WantedPoses wanted_poses(RigEvaluator& rig, const BakeOptions& options, bool rec
 }
 
 SamplingOptions sampling_options(const RigEvaluator& rig, const BakeOptions& options, SampledSplits splits,
-                                 bool recipes_evaluate) {
+                                 RigUse use) {
   SamplingOptions sampling;
   sampling.poses = poses_or_usual(options.poses, options.rig_budget);
   sampling.seed = options.seed;
@@ -34,17 +36,17 @@ SamplingOptions sampling_options(const RigEvaluator& rig, const BakeOptions& opt
   sampling.skip_failing = options.skip_failing;
   sampling.test_poses = splits == SampledSplits::training_and_test;
   const std::uint64_t third = options.rig_budget / 3;
-  sampling.rig_budget = options.rig_budget - (recipes_evaluate && pays_to_analyse(rig.schema(), third) ? third : 0);
+  sampling.rig_budget = options.rig_budget - (use.evaluates && pays_to_analyse(rig.schema(), third) ? third : 0);
   // A variant does not train on shots: a limited budget is not spent on them.
   if (options.rig_budget > 0 && splits == SampledSplits::training) sampling.shots = options.use == Use::backlot;
   return sampling;
 }
 
-OpenedSource sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits, bool recipes_evaluate,
+OpenedSource sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits, RigUse use,
                           Progress& progress) {
-  const SamplingOptions sampling = sampling_options(rig, options, splits, recipes_evaluate);
+  const SamplingOptions sampling = sampling_options(rig, options, splits, use);
   const std::filesystem::path folder = options.work / sampled_poses_name;
-  if (options.rig_budget > 0 && recipes_evaluate)
+  if (samples_actively(options, use))
     sample_actively(rig, sampling, {}, network_ensemble(options.seed, options.parallel, progress), folder, progress);
   else
     sample(rig, sampling, folder, progress);

@@ -52,6 +52,10 @@ struct BakeOptions {
   // How much errors of normals count beside distances when a face is rounded, 0 or more: see PackOptions.
   double normal_weight = 1;
   std::string driven_joints = "keep";  // "none": see JointlessSource
+  // A consent to learn from a character whose rights forbid it, and the certificate or key that it must be signed by,
+  // see leave_to_learn; both or neither.
+  std::string consent, consent_key;
+  std::string consented;  // what the provenance says of it, a JSON object: set by the pipeline; empty: nothing
   bool force = false;  // where a target cannot be met, the nearest there is instead of a failure
   // Texts for the archive; empty: none. `created` is a date for the provenance.
   std::string licence, created;
@@ -89,9 +93,9 @@ struct BakeOptions {
   std::filesystem::path reuse;
 };
 
-// An option that is a number, a flag or a word, as every interface describes it: by this table the C interface reads
-// its structs and options by name, the tool declares its command line, help, man pages and completion, and Python takes
-// keywords. A new one is a member above, a row below, and the place that uses it.
+// An option that is a number, a flag, a word or a path, as every interface describes it: by this table the C interface
+// reads its structs and options by name, the tool declares its command line, help, man pages and completion, and Python
+// takes keywords. A new one is a member above, a row below, and the place that uses it.
 struct OptionRow {
   enum class Part { sampling, training, limits, face };  // `compare` has the first two
   using Member = std::variant<std::uint32_t BakeOptions::*, std::uint64_t BakeOptions::*, double BakeOptions::*,
@@ -119,6 +123,12 @@ struct OptionRow {
     row.words = choices;
     return row;
   }
+  // The path of a file; otherwise a text is one of `words`.
+  constexpr OptionRow path() const {
+    OptionRow row = *this;
+    row.is_path = true;
+    return row;
+  }
   // Of the same poses the same face is baked, whatever it is.
   constexpr OptionRow keeps_face() const {
     OptionRow row = *this;
@@ -130,7 +140,7 @@ struct OptionRow {
   Member member;
   Part part;
   double least = 0, most = std::numeric_limits<double>::max();  // of numbers
-  bool changes_face = true;
+  bool changes_face = true, is_path = false;
 };
 
 inline constexpr OptionRow option_table[] = {
@@ -159,6 +169,14 @@ inline constexpr OptionRow option_table[] = {
               "Bake also on 1/8, 1/4 and 1/2 of the poses and measure on clips not trained on, for the report")
         .on_command_line("--learning-curve")
         .keeps_face(),
+    OptionRow("consent", &BakeOptions::consent, OptionRow::Part::training,
+              "Consent to learn from a character whose rights forbid it (a JSON file, its signature beside it: .sig)")
+        .on_command_line("--consent", "FILE")
+        .path(),
+    OptionRow("consent_key", &BakeOptions::consent_key, OptionRow::Part::training,
+              "Certificate or public key, .pem, of whose leave counts: --consent must be signed by it")
+        .on_command_line("--consent-key", "KEY")
+        .path(),
     OptionRow("max_bytes", &BakeOptions::max_bytes, OptionRow::Part::limits,
               "Size limit of the archive: the least error within it; 0: the precision of the recipe")
         .on_command_line("--max-bytes", "N"),

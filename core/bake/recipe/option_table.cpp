@@ -66,7 +66,7 @@ void set_option(BakeOptions& options, const OptionRow& row, std::string_view tex
     using Value = std::remove_cvref_t<decltype(value)>;
     if constexpr (std::is_same_v<Value, std::string>) {
       const std::vector<std::string> words = words_of(row);
-      if (std::find(words.begin(), words.end(), text) == words.end())
+      if (!row.is_path && std::find(words.begin(), words.end(), text) == words.end())
         refuse(row, text, "none of " + list_of_names(words));
       value = text;
     } else if constexpr (std::is_same_v<Value, bool>) {

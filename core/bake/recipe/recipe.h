@@ -29,6 +29,9 @@ inline PackedModel take_packed(RecipeResult& result) {
   return result.packed ? std::move(*result.packed) : pack_model(result.model, result.packing);
 }
 
+// From what a recipe learns: fits a model, of networks or of anything else, to sampled poses.
+enum class Learning { nothing, recordings, all };  // recordings: where there is no live rig, whose controls tell it all
+
 struct Recipe {
   const char* name;
   // `rig` evaluates new poses where there is a live one; null otherwise.
@@ -36,6 +39,21 @@ struct Recipe {
   bool supports_targets = false;  // BakeOptions::max_bytes and max_error
   bool evaluates_rig = false;     // evaluates poses of its own on a live rig, within BakeOptions::rig_budget
   bool keeps_joints = false;      // learns driven joints; others learn what these do to vertices, see JointlessSource
+  Learning learning = Learning::all;
 };
+
+inline bool learns(const Recipe& recipe, bool live_rig) {
+  return recipe.learning == Learning::all || (recipe.learning == Learning::recordings && !live_rig);
+}
+
+// What recipes do with a live rig, which decides how it is sampled.
+struct RigUse {
+  bool evaluates = false;  // see Recipe::evaluates_rig
+  bool learns = true;      // from the sampled poses
+};
+
+inline RigUse rig_use(const Recipe& recipe) {
+  return {recipe.evaluates_rig, learns(recipe, true)};
+}
 
 }  // namespace fb::bake

@@ -16,6 +16,7 @@ namespace test_untrained {
 using namespace fb;
 using namespace fb::archive;
 using namespace fb::bake;
+using namespace fb::test;
 
 namespace {
 

@@ -43,7 +43,7 @@ TEST_CASE("a plan within a budget spends it, stage by stage") {
   BakeOptions options;
   options.poses = options.rig_budget = 1800;
   options.use = Use::variant;
-  const EvaluationPlan plan = plan_evaluations(evaluator, options, true, silent_progress());
+  const EvaluationPlan plan = plan_evaluations(evaluator, options, {true}, silent_progress());
   CHECK(plan.pose_seconds > 0);
   CHECK(plan.sampled_bytes == 1200 * 4 * (10 + 3 * 25));  // what is asked for analysis is no part of the data
   CHECK(plan.kept_bytes == 0);                            // of a quick rig
@@ -58,7 +58,7 @@ TEST_CASE("a plan within a budget spends it, stage by stage") {
   CHECK(evaluator.requested() <= 10);
   options.use = Use::backlot;
   options.examples = rig.clips()[0].controls;
-  const EvaluationPlan like = plan_evaluations(evaluator, options, false, silent_progress());
+  const EvaluationPlan like = plan_evaluations(evaluator, options, {false}, silent_progress());
   CHECK(to_learn(like) == 1800);
   CHECK(expected(like, EvaluationPurpose::examples) == (1800 - 40) / 3);
   CHECK(expected(like, EvaluationPurpose::clips) == 70);
@@ -72,13 +72,13 @@ TEST_CASE("a plan without a budget has poses of single regions, where the recipe
   options.poses = 1000;
   options.use = Use::variant;
   const auto of_regions = [&](bool evaluates) {
-    return expected(plan_evaluations(evaluator, options, evaluates, silent_progress()), EvaluationPurpose::regions);
+    return expected(plan_evaluations(evaluator, options, {evaluates}, silent_progress()), EvaluationPurpose::regions);
   };
   CHECK(of_regions(true) == 16000);
   CHECK(of_regions(false) == 0);
   options.use = Use::backlot;
   CHECK(of_regions(true) == 16640);  // for 40 frames of a clip, too
-  const EvaluationPlan linear = plan_evaluations(evaluator, options, true, silent_progress(), true);
+  const EvaluationPlan linear = plan_evaluations(evaluator, options, {true}, silent_progress(), true);
   CHECK(expected(linear, EvaluationPurpose::regions) == 0);
   CHECK(expected(linear, EvaluationPurpose::analysis) == 50 * rig.schema().control_count());
 }
@@ -107,7 +107,7 @@ TEST_CASE("a rig that fails at once has a plan all the same") {
   MemorySource rig(
       4, 5, [](const float*, std::span<float>) { throw PoseError(Status::rig, 0, "no"); }, true);
   RigEvaluator evaluator(rig);
-  CHECK(plan_evaluations(evaluator, {}, true, silent_progress()).pose_seconds == 0);
+  CHECK(plan_evaluations(evaluator, {}, {true}, silent_progress()).pose_seconds == 0);
 }
 
 }  // namespace test_evaluation_plan

@@ -61,7 +61,7 @@ TEST_CASE("of a linear rig fewer poses are sampled, unless a number of them is a
     BakeOptions options;
     options.poses = poses;
     options.rig_budget = budget;
-    return wanted_poses(of, options, recipe_evaluates, silent_progress()).count;
+    return wanted_poses(of, options, {recipe_evaluates}, silent_progress()).count;
   };
   CHECK(wanted(evaluator, 0, 0, true) == 2000);
   CHECK(wanted(evaluator, 0, 0, false) == 20000);
@@ -72,7 +72,7 @@ TEST_CASE("of a linear rig fewer poses are sampled, unless a number of them is a
   CHECK(wanted(other, 0, 0, true) == 20000);
   BakeOptions like;
   like.examples.assign(width, 0.5f);
-  CHECK(wanted_poses(evaluator, like, true, silent_progress()).count == 20000);
+  CHECK(wanted_poses(evaluator, like, {true}, silent_progress()).count == 20000);
 }
 
 }  // namespace test_linear_rig

@@ -1,10 +1,9 @@
 // Consents: read, and held to their signature and their days.
 #include "bake/signing/consent.h"
 
-#include "bake/signing/sign_bytes.h"
 #include "bake_test_support.h"
 #include "base/calendar_day.h"
-#include "signing_keys.h"
+#include "signed_consent.h"
 
 namespace test_consent {
 
@@ -15,24 +14,6 @@ using namespace fb::test;
 const char* const whole = R"({"format": "facebaker-consent", "version": 1, "performer": "Ada", "agreement": "A-7",
   "permits": ["learning", "film"], "expires": "2090-12-31",
   "sources": [{"sha256": "00112233445566778899AABBCCDDEEFF00112233445566778899aabbccddeeff"}]})";
-
-// A consent with a signature beside it.
-struct SignedConsent {
-  explicit SignedConsent(const std::string& text) {
-    write_file(file, text);
-    write_file(folder / "key.pem", signer.key_pem() + signer.certificate_pem());
-    write_file(key, signer.public_pem());
-    write_file(folder / "consent.json.sig", sign_bytes(read_file(file), read_signing_key(folder / "key.pem", "", {})));
-  }
-
-  std::string refusal(Status status = Status::bad_data, const std::string& day = calendar_day_text(today())) const {
-    return failure(status, [&] { verified_consent(file, key, day); });
-  }
-
-  Folder folder;
-  SigningTestKey signer{new_curve_key(), "Ada's agent"};
-  std::filesystem::path file = folder / "consent.json", key = folder / "agent.pem";
-};
 
 bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;

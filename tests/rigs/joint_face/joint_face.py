@@ -2,9 +2,10 @@
 meshes, each following eight joints, 250 controls that turn and move joints along curves, and 800 correctives that are
 products of two and three controls. NumPy and formulas; it shares nothing with what bakes it.
 
-    joint_face.py OUT.fbk [POSES [SCALE]]
+    joint_face.py OUT.fbk [POSES [SCALE [RECIPE]]]
 
-bakes it and says how exact the face is and how long a pose takes; SCALE (default 1) makes everything smaller.
+bakes it and says how exact the face is and how long a pose takes; SCALE (default 1) makes everything smaller. RECIPE is
+compact if not given.
 Needs facebaker on PYTHONPATH."""
 
 import sys
@@ -145,7 +146,8 @@ def main():
     print(f"{len(source.heads)} joints, {len(source.rest)} vertices, {source.controls} controls, "
           f"{len(source.shapes) - source.controls} correctives")  # fmt: skip
     started = time.time()
-    result = facebaker.bake(source.rig(), out, recipe="compact", poses=poses, progress=True)
+    recipe = sys.argv[4] if len(sys.argv) > 4 else "compact"
+    result = facebaker.bake(source.rig(), out, recipe=recipe, poses=poses, progress=True)
     print(f"baked in {time.time() - started:.0f} s from {result.document['rig_calls']} evaluations: "
           f"{result.document['bytes']} bytes")  # fmt: skip
     face = facebaker.load(out)
