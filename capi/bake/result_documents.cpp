@@ -63,6 +63,7 @@ std::string bake_json(const std::string& archive, const Source& source, const Ba
   FieldWriter write(json);
   write("archive", archive);
   write("bytes", baked.archive.size());
+  write("learned", baked.learned);
   write("poses", baked.poses);
   write("rig_calls", baked.rig_calls);
   write("asked", baked.asked);

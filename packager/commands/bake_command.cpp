@@ -70,7 +70,7 @@ std::string bake_text(const std::string& document) {
   Table table({"figure", "value"});
   add_unseen(table, figures);
   table.add({"bytes", count("bytes")});
-  table.add({"poses trained on", count("poses")});
+  table.add({figures.at("learned") ? "poses trained on" : "poses measured on; nothing is learned", count("poses")});
   table.add({"rig calls", count("rig_calls")});
   if (figures.at("asked") > 0) table.add({"poses asked to learn", count("asked")});
   table.add({"coefficients", count("coefficients")});
@@ -203,7 +203,7 @@ void add_bake(Command tool) {
   const Command app = tool.add_command("bake", "Train a face on poses and write it as an archive");
   add_sources(app, command->sources);
   add_out_archive(app, command->out);
-  app.add_option("--recipe", command->recipe, "Method to train with").one_of(recipe_names()).shows_default();
+  app.add_option("--recipe", command->recipe, "Method to bake with; linear, of a live rig, and untrained learn nothing from poses").one_of(recipe_names()).shows_default();
   app.add_option("--use", command->use, "variant: shots are not trained on; backlot: they are")
       .one_of({"variant", "backlot"})
       .shows_default();

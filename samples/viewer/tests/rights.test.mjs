@@ -39,6 +39,21 @@ test("says nothing of a face whose rights bind to nothing", async () => {
   await close();
 });
 
+test("says that a face was made without learning", async (t) => {
+  const folder = mkdtempSync(join(tmpdir(), "facebaker-learned-"));
+  t.after(() => rmSync(folder, { recursive: true }));
+  const out = join(folder, "linear.fbk");
+  const baked = spawnSync(settings.tool, ["bake", settings.rig, "--recipe", "linear", "--poses", "60", "--no-thumbnail", "--out", out], { encoding: "utf8" });
+  assert.equal(baked.status, 0, baked.stderr);
+  const alone = await view(out);
+  t.after(alone.stop);
+  const { page, errors, close } = await openPage(browser, alone.address);
+  await page.getByRole("tab", { name: "About" }).click();
+  assert.equal(await page.locator("#about dt", { hasText: /^Learned$/ }).locator("+ dd").textContent(), "no");
+  assert.deepEqual(errors, []);
+  await close();
+});
+
 test("shows that rights have ended, and what else binds, of each face", async (t) => {
   const folder = mkdtempSync(join(tmpdir(), "facebaker-rights-"));
   t.after(() => rmSync(folder, { recursive: true }));

@@ -6,7 +6,7 @@
 #include "bake/pipeline/leave_to_learn.h"
 #include "bake/rig/json_field.h"
 #include "bake_test_support.h"
-#include "signed_consent.h"
+#include "signing/signed_consent.h"
 #include "toy_faces.h"
 #include "watched_progress.h"
 

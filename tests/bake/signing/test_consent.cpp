@@ -3,7 +3,7 @@
 
 #include "bake_test_support.h"
 #include "base/calendar_day.h"
-#include "signed_consent.h"
+#include "signing/signed_consent.h"
 
 namespace test_consent {
 

@@ -28,6 +28,16 @@ function pretty(json: string): string {
   }
 }
 
+/** "yes" or "no", or "" where the archive does not say whether it was learned from poses. */
+function learned(provenance: string): string {
+  try {
+    const said: unknown = JSON.parse(provenance).learned;
+    return typeof said === "string" ? said : "";
+  } catch {
+    return "";
+  }
+}
+
 function describe(shown: ShownFace): HTMLElement[] {
   const { face, name, bytes } = shown;
   const rows: [string, string][] = [
@@ -39,6 +49,8 @@ function describe(shown: ShownFace): HTMLElement[] {
     ["In memory", bytesText(face.runtimeBytes)],
     ["Runs on", face.instructionSet],
   ];
+  const saidLearned = learned(face.provenance);
+  if (saidLearned) rows.push(["Learned", saidLearned]);
   if (face.levels.length > 1) rows.push(["Levels of detail", face.levels.map((l) => l.vertexCount).join(", ") + " vertices"]);
   if (face.sockets.length > 0) rows.push(["Sockets", face.sockets.map((socket) => socket.name).join(", ")]);
   if (face.channels.length > 0) rows.push(["Channels", face.channels.map((channel) => channel.name).join(", ")]);
