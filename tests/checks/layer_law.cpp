@@ -74,7 +74,8 @@ const std::map<std::string, Layers>& law() {
     may["bake/baselines"] = with(may["bake/face"], {"bake/face"});
     may["bake/export"] = nouns;
     may["bake/signing"] = with(nouns, {"bake/rig"});
-    may["bake/pipeline"] = with(may["bake/baselines"], {"bake/baselines", "bake/levels", "bake/signing"});
+    may["bake/pipeline"] =
+        with(may["bake/baselines"], {"bake/baselines", "bake/levels", "bake/rights", "bake/signing"});
 
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});

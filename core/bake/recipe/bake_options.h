@@ -124,8 +124,8 @@ struct OptionRow {
     return row;
   }
   // The path of a file; otherwise a text is one of `words`.
-  constexpr OptionRow path() const {
-    OptionRow row = *this;
+  constexpr OptionRow path(const char* argument_name, const char* value_name) const {
+    OptionRow row = on_command_line(argument_name, value_name);
     row.is_path = true;
     return row;
   }
@@ -171,12 +171,10 @@ inline constexpr OptionRow option_table[] = {
         .keeps_face(),
     OptionRow("consent", &BakeOptions::consent, OptionRow::Part::training,
               "Consent to learn from a character whose rights forbid it (a JSON file, its signature beside it: .sig)")
-        .on_command_line("--consent", "FILE")
-        .path(),
+        .path("--consent", "FILE"),
     OptionRow("consent_key", &BakeOptions::consent_key, OptionRow::Part::training,
               "Certificate or public key, .pem, of whose leave counts: --consent must be signed by it")
-        .on_command_line("--consent-key", "KEY")
-        .path(),
+        .path("--consent-key", "KEY"),
     OptionRow("max_bytes", &BakeOptions::max_bytes, OptionRow::Part::limits,
               "Size limit of the archive: the least error within it; 0: the precision of the recipe")
         .on_command_line("--max-bytes", "N"),

@@ -43,7 +43,7 @@ test("says that a face was made without learning", async (t) => {
   const folder = mkdtempSync(join(tmpdir(), "facebaker-learned-"));
   t.after(() => rmSync(folder, { recursive: true }));
   const out = join(folder, "linear.fbk");
-  const baked = spawnSync(settings.tool, ["bake", settings.rig, "--recipe", "linear", "--poses", "60", "--no-thumbnail", "--out", out], { encoding: "utf8" });
+  const baked = spawnSync(settings.tool, ["bake", settings.source, "--recipe", "linear", "--poses", "60", "--no-thumbnail", "--out", out], { encoding: "utf8" });
   assert.equal(baked.status, 0, baked.stderr);
   const alone = await view(out);
   t.after(alone.stop);
