@@ -67,6 +67,9 @@ std::string about_with(const Source& source, const BakeOptions& options) {
 std::optional<Consent> leave_to_learn(const std::vector<std::string>& recipes, const Source& source,
                                       const std::string& about, const BakeOptions& options, Progress& progress) {
   const Rights rights = rights_in(about);
+  if (rights.expired(today()))
+    progress.note(format("warning: the rights of \"%s\" ended on %s", source.schema().name.c_str(),
+                         calendar_day_text(*rights.last_day()).c_str()));
   std::optional<Consent> consent = checked_consent(rights, options);
   for (const std::string& recipe : recipes) {
     if (!learns(find_recipe(recipe), source.live())) continue;

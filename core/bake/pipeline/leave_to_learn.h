@@ -19,7 +19,7 @@ std::string about_with(const Source& source, const BakeOptions& options);
 // consent allows it: the message names a recipe that does not learn. A consent that the options give is checked in any
 // case, also where none is needed, and returned: that its signature is by their key, that it holds today and permits
 // "learning", and that it is about this character: of the same agreement and performer, and of these source files as
-// far as it names some. A note tells words that learning is constrained by.
+// far as it names some. Notes tell words that learning is constrained by, and that the rights have ended.
 std::optional<Consent> leave_to_learn(const std::vector<std::string>& recipes, const Source& source,
                                       const std::string& about, const BakeOptions& options, Progress& progress);
 

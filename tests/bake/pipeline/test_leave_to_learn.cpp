@@ -130,6 +130,8 @@ TEST_CASE("what nobody may train on, nobody may learn from, and constraints are 
   progress.all.clear();
   ask(R"({"learning":"allowed"})", progress);
   CHECK(progress.all.empty());
+  ask(R"({"expires":"2020-02-29"})", progress);
+  CHECK_MESSAGE(contains(progress.all, "ended on 2020-02-29"), progress.all);
 }
 
 }  // namespace test_leave_to_learn
