@@ -66,6 +66,7 @@ const std::map<std::string, Layers>& law() {
     may["bake/train"] = with(nouns, {"bake/linalg", "figures"});
     may["bake/compress"] = with(written, {"bake/linalg"});
     may["bake/measure"] = with(written, {"figures", "runtime", "bake/rig", "bake/regions"});
+    may["bake/bag"] = with(nouns, {"archive reader", "bake/rig", "bake/measure"});
     may["bake/recipe"] = with(nouns, {"figures", "bake/rig", "bake/compress", "bake/train"});
     may["bake/levels"] = with(with(nouns, data), {"bake/regions", "bake/recipe"});
     may["bake/face"] =
@@ -80,7 +81,7 @@ const std::map<std::string, Layers>& law() {
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
     may["authoring C ABI"] = with(with(may["C ABI"], may["bake/pipeline"]),
-                                  {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check", "bake/export", "bake/rights"});
+                                  {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check", "bake/export", "bake/rights", "bake/bag"});
     may["packager"] = {"base", "figures", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};
