@@ -11,7 +11,8 @@ from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Union
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / "capi" / "include" / "facebaker"
 RUNTIME_HEADERS = ("facebaker.h", "facebaker_character.h", "facebaker_solve.h")  # of libfacebaker
 HEADERS = RUNTIME_HEADERS + (  # all, each after those that it includes
-    "facebaker_rig.h", "facebaker_source.h", "facebaker_archive.h", "facebaker_export.h", "facebaker_bake.h",
+    "facebaker_rig.h", "facebaker_source.h", "facebaker_archive.h", "facebaker_bag.h", "facebaker_export.h",
+    "facebaker_bake.h",
 )  # fmt: skip
 # Bytes of the scalar types; size_t has those of a pointer.
 SCALARS: Dict[str, int] = {

@@ -158,6 +158,7 @@ struct fb_report {
   std::optional<fb_pack_result> pack;
   std::optional<fb_rights_result> rights;  // its strings are the next two
   std::string last_day, binding_rights;
+  std::optional<fb_bag_result> bag;
 };
 
 namespace fb::capi {

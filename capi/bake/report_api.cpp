@@ -151,4 +151,12 @@ fb_status fb_report_pack(const fb_report* report, fb_pack_result* result) {
   return abi_guard([&] { write_result(report, report ? report->pack : std::nullopt, result, "fb_pack_result"); });
 }
 
+void fb_bag_result_fill(fb_bag_result* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+fb_status fb_report_bag(const fb_report* report, fb_bag_result* result) {
+  return abi_guard([&] { write_result(report, report ? report->bag : std::nullopt, result, "fb_bag_result"); });
+}
+
 }  // extern "C"

@@ -7,7 +7,8 @@ facebaker.serve serves a rig to another process."""
 from typing import TYPE_CHECKING
 
 from ._bake import (
-    Option, bake, check, compare, diff, evaluate, inspect, options, pack, plan, recipes, rights, sample, verify,
+    Option, bag, bake, check, check_bag, compare, diff, evaluate, inspect, options, pack, plan, recipes, rights,
+    sample, verify,
 )  # fmt: skip
 from ._character import (
     Channel,
@@ -34,8 +35,8 @@ from ._face import ExpectedError, Face, load
 from ._many import evaluate_many
 
 from ._results import (
-    BakeResult, CheckResult, ClipErrors, CompareResult, Errors, EvalResult, Failure, Method, PackResult, PlanResult,
-    Result, RightsResult, SampleResult, VerifyResult,
+    BagResult, BakeResult, CheckResult, ClipErrors, CompareResult, Errors, EvalResult, Failure, Method, PackResult,
+    PlanResult, Result, RightsResult, SampleResult, VerifyResult,
 )  # fmt: skip
 from ._rig import Clip, Rig
 from ._solutions import ClipSolution, Solution
@@ -43,14 +44,15 @@ from ._solver import Solver, SparseColumns
 from ._source import Source
 
 __all__ = [
-    "BadDataError", "BakeResult", "Channel", "CheckResult", "Clip", "ClipErrors", "ClipSolution", "CompareResult",
+    "BadDataError", "BagResult", "BakeResult", "Channel", "CheckResult", "Clip", "ClipErrors", "ClipSolution", "CompareResult",
     "Control", "CorruptError", "DrivenJoint", "Error", "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face",
     "Failure", "FileError", "Image", "InternalError", "InvalidArgumentError", "Joint", "Level", "LimitError",
     "Material", "MaterialRun", "Mesh", "Method", "NotAnArchiveError", "NotFiniteError", "NotFoundError",
-    "OutOfMemoryError", "PackResult", "PlanResult", "Result", "Rig", "RigError", "RightsResult", "SampleResult", "Skin",
-    "Socket", "Solution", "Solver", "Source", "SparseColumns", "StoppedError", "Texture", "UnsupportedError",
-    "VerifyResult", "__version__", "bake", "check", "compare", "diff", "evaluate", "evaluate_many", "inspect", "load", "options",
-    "pack", "plan", "recipes", "rights", "sample", "save_dataset", "verify",
+    "OutOfMemoryError", "PackResult", "PlanResult", "Result", "Rig", "RigError", "RightsResult", "SampleResult",
+    "Skin", "Socket", "Solution", "Solver", "Source", "SparseColumns", "StoppedError", "Texture",
+    "UnsupportedError", "VerifyResult", "__version__", "bag", "bake", "check", "check_bag", "compare", "diff",
+    "evaluate", "evaluate_many", "inspect", "load", "options", "pack", "plan", "recipes", "rights", "sample",
+    "save_dataset", "verify",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

@@ -25,8 +25,8 @@ from ._library import assign
 from ._library import bake_library as library
 from ._progress import Progress
 from ._results import (
-    USES, BakeResult, CheckResult, CompareResult, EvalResult, PackResult, PlanResult, Result, RightsResult, SampleResult,
-    VerifyResult,
+    USES, BagResult, BakeResult, CheckResult, CompareResult, EvalResult, PackResult, PlanResult, Result,
+    RightsResult, SampleResult, VerifyResult,
 )  # fmt: skip
 from ._rig import SPLITS, Clip
 from ._rig_struct import clip_struct
@@ -284,6 +284,53 @@ def diff(before: AnyArchive, now: AnyArchive) -> Result:
     """What has changed between two archives of one character, as the document of `facebaker diff`."""
     opened = Archive(before), Archive(now)
     return Result(_reported(Call(), library.fb_diff, *(archive.handle for archive in opened)), ())
+
+
+def bag(
+    archives: Sequence[Place],
+    out: Place,
+    *,
+    beside: Sequence[Place] = (),
+    sources: Sequence[Place] = (),
+    files: Optional[Mapping[str, Place]] = None,
+    info: Sequence[Tuple[str, str]] = (),
+    date: Optional[str] = None,
+    threads: int = 0,
+    progress: Progress = None,
+    note: Note = None,
+) -> BagResult:
+    """Writes archives as a BagIt bag for those who keep them, with all that is needed to read them later; whole or not at
+    all.
+
+    archives: paths, each with another name. out: a folder that is not there yet, or is empty. beside: files that are kept
+    beside the archives, such as signatures. sources: files and folders that the archives were made of. files: more of
+    them, by their paths in data/. info: labels and values for bag-info.txt, such as ("Source-Organization", "..."). date:
+    of the bag, "2026-11-29"; None: today. The access copy of a face is its own thumbnail, if it has one; the tool draws
+    larger pictures and writes glTF, which can be given as files={"access/face.fbk.glb": ...}."""
+    desc = library.filled(abi.fb_bag_desc)
+    assign(desc, threads=threads)
+    given = dict(files or {})
+    desc.directory, desc.date = path_bytes(out), _optional_text(date)
+    desc.archives, desc.archive_count = _paths(archives)
+    desc.beside, desc.beside_count = _paths(beside)
+    desc.sources, desc.source_count = _paths(sources)
+    desc.file_names, desc.file_count = c_strings([text_bytes(name) for name in given])
+    desc.files, _ = _paths(list(given.values()))
+    desc.info, desc.info_count = c_strings([text_bytes(f"{label}: {value}") for label, value in info])
+    with Call(progress, note) as call:
+        desc.callbacks = call.callbacks
+        return BagResult(_reported(call, library.fb_bag, desc), call.notes)
+
+
+def check_bag(folder: Place, *, threads: int = 0, progress: Progress = None, note: Note = None) -> BagResult:
+    """Checks a BagIt bag of anyone: its structure, every file against every checksum, and whether its archives evaluate as
+    archived. Faults are no exception: see the result."""
+    desc = library.filled(abi.fb_bag_check_desc)
+    desc.directory = path_bytes(folder)
+    assign(desc, threads=threads)
+    with Call(progress, note) as call:
+        desc.callbacks = call.callbacks
+        return BagResult(_reported(call, library.fb_bag_check, desc), call.notes)
 
 
 def pack(

@@ -328,6 +328,21 @@ class fb_layer(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("inputs", c_uint32), ("outputs", c_uint32), ("activation", c_int32),
         ("skip", c_uint32), ("bits", c_uint32)]
+fb_bag_desc_make_copies = CFUNCTYPE(c_int32, c_void_p, c_uint32, c_char_p, c_void_p, c_uint32)
+class fb_bag_desc(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("threads", c_uint32), ("directory", c_char_p), ("archives", POINTER(c_char_p)),
+        ("beside", POINTER(c_char_p)), ("sources", POINTER(c_char_p)), ("file_names", POINTER(c_char_p)),
+        ("files", POINTER(c_char_p)), ("info", POINTER(c_char_p)), ("archive_count", c_uint32),
+        ("beside_count", c_uint32), ("source_count", c_uint32), ("file_count", c_uint32), ("info_count", c_uint32),
+        ("reserved", c_uint32), ("date", c_char_p), ("make_copies", fb_bag_desc_make_copies), ("copies_user", c_void_p),
+        ("callbacks", fb_callbacks)]
+class fb_bag_check_desc(Structure):
+    _fields_ = [("struct_size", c_uint32), ("threads", c_uint32), ("directory", c_char_p), ("callbacks", fb_callbacks)]
+class fb_bag_result(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("valid", c_uint32), ("files", c_uint64), ("bytes", c_uint64),
+        ("archives", c_uint64), ("faults", c_uint64), ("warnings", c_uint64)]
 class fb_decompose_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("archive", c_void_p), ("positions", POINTER(c_float)),
@@ -531,6 +546,12 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_layer_fill": (None, [POINTER(fb_layer), c_uint32]),
     "fb_archive_layer_at": (c_int32, [c_void_p, c_uint32, c_uint32, POINTER(fb_layer)]),
     "fb_archive_layer_values": (c_int32, [c_void_p, c_uint32, c_uint32, c_void_p, c_void_p]),
+    "fb_bag_desc_fill": (None, [POINTER(fb_bag_desc), c_uint32]),
+    "fb_bag": (c_int32, [POINTER(fb_bag_desc), POINTER(c_void_p)]),
+    "fb_bag_check_desc_fill": (None, [POINTER(fb_bag_check_desc), c_uint32]),
+    "fb_bag_check": (c_int32, [POINTER(fb_bag_check_desc), POINTER(c_void_p)]),
+    "fb_bag_result_fill": (None, [POINTER(fb_bag_result), c_uint32]),
+    "fb_report_bag": (c_int32, [c_void_p, POINTER(fb_bag_result)]),
     "fb_export_onnx": (c_int32, [c_void_p, c_char_p, POINTER(c_void_p)]),
     "fb_decompose_desc_fill": (None, [POINTER(fb_decompose_desc), c_uint32]),
     "fb_decompose": (c_int32, [POINTER(fb_decompose_desc), POINTER(c_void_p)]),

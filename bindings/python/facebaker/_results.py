@@ -272,6 +272,30 @@ class RightsResult(Result):
         return f"<facebaker.RightsResult: {'; '.join(self.binding) or 'nothing binds'}>"
 
 
+class BagResult(Result):
+    """valid: there is no fault. files, bytes: of the payload. archives: that evaluate as archived. faults and warnings:
+    pairs of a file in the bag, "" for the bag as a whole, and what is wrong with it."""
+
+    def __init__(self, report: c_void_p, notes: Sequence[str]) -> None:
+        super().__init__(report, notes)
+        struct = library.filled(abi.fb_bag_result)
+        library.check(library.fb_report_bag(report, struct))
+        self.valid = bool(struct.valid)
+        self.files: int = struct.files
+        self.bytes: int = struct.bytes
+        self.archives: int = struct.archives
+        self.faults: Tuple[Tuple[str, str], ...] = _told(self.document["faults"])
+        self.warnings: Tuple[Tuple[str, str], ...] = _told(self.document["warnings"])
+
+    def __repr__(self) -> str:
+        state = "valid" if self.valid else f"{len(self.faults)} faults"
+        return f"<facebaker.BagResult: {state}, {self.files} files, {self.archives} archives>"
+
+
+def _told(notes: Sequence[Document]) -> Tuple[Tuple[str, str], ...]:
+    return tuple((note["file"], note["reason"]) for note in notes)
+
+
 class PackResult(Result):
     """archive: bytes of the new one. bytes_before: of the one that was packed. within_limits: false with force only.
     step_factor: of the basis' quantisation steps; 1: as they were. max_error: the limit of the displacement that held,

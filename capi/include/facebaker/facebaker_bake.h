@@ -28,6 +28,7 @@
 
 #include <facebaker/facebaker.h>
 #include <facebaker/facebaker_archive.h>
+#include <facebaker/facebaker_bag.h>
 #include <facebaker/facebaker_export.h>
 #include <facebaker/facebaker_rig.h>
 #include <facebaker/facebaker_source.h>
@@ -312,10 +313,10 @@ typedef struct fb_bake_desc {
   const char* recipe;  /**< default "hero" */
   int32_t use;         /**< FB_USE_...; default FB_USE_BACKLOT */
   uint32_t epochs;     /**< passes over the training poses; 0 (default): the recipe's own */
-  uint64_t poses; /**< sampled from a live source; 0 (default): 20,000, or all of rig_budget, or 2,000 of a source that
-                     is linear in its controls, as morph targets are, if the recipe analyses rigs and rig_budget is 0
-                     or at least 10,000 */
-  const char* mix;     /**< of those: "dense" (default) or "paper" */
+  uint64_t poses;  /**< sampled from a live source; 0 (default): 20,000, or all of rig_budget, or 2,000 of a source that
+                      is linear in its controls, as morph targets are, if the recipe analyses rigs and rig_budget is 0
+                      or at least 10,000 */
+  const char* mix; /**< of those: "dense" (default) or "paper" */
   uint64_t rig_budget; /**< different poses asked for at most in order to learn, see fb_sample_desc; measuring besides
                           the rig's own clips takes what is left. 0 (default): no limit */
   uint64_t seed;       /**< of everything random; default 1 */
@@ -336,8 +337,8 @@ typedef struct fb_bake_desc {
   fb_callbacks callbacks;
   const char* reuse; /**< work folder of an earlier bake, whose source was an earlier version of this one, with the same
                         polygons: what was evaluated then is taken over as far as it still holds, by the names of
-                        controls, checked on a sample, and counts against no budget. Null (default), or a struct_size that ends before
-                        it: none */
+                        controls, checked on a sample, and counts against no budget. Null (default), or a struct_size
+                        that ends before it: none */
   uint32_t skip_failing;  /**< 1: leaves out what a live source cannot evaluate where that is possible, with a note:
                              drawn poses, see fb_sample_desc; the analysis of the rig, in place of which blendshapes are
                              fitted to the training poses; measuring. 0 (default): fail */

@@ -280,6 +280,18 @@ inline Report verify(const Archive& archive) {
   check(fb_verify(archive.get(), &report));
   return Report(report);
 }
+/** Writes archives as a bag; see fb_bag. */
+inline Report bag(const fb_bag_desc& desc) {
+  fb_report* report = nullptr;
+  check(fb_bag(&desc, &report));
+  return Report(report);
+}
+/** Finds all that is wrong with a bag; see fb_bag_check. */
+inline Report check_bag(const fb_bag_check_desc& desc) {
+  fb_report* report = nullptr;
+  check(fb_bag_check(&desc, &report));
+  return Report(report);
+}
 
 /** Says what the rights in what is said about a character come to, on a day or today; see fb_rights. */
 inline Report rights(const char* about, const char* on = nullptr) {
