@@ -17,6 +17,7 @@ void add_compare(Command tool);
 void add_inspect(Command tool);
 void add_verify(Command tool);
 void add_pack(Command tool);
+void add_bag(Command tool);
 void add_pose(Command tool);
 void add_solve(Command tool);
 void add_view(Command tool);

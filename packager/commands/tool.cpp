@@ -105,6 +105,7 @@ int run_commands(int argc, char** argv) {
   add_inspect(commands);
   add_verify(commands);
   add_pack(commands);
+  add_bag(commands);
   add_pose(commands);
   add_solve(commands);
   add_view(commands);
