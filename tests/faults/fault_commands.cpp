@@ -26,7 +26,8 @@ bool is_timed(const std::string& name) {
 
 // Files that a stopped command may leave for the next one.
 bool is_work(const std::string& name) {
-  return name.starts_with("face.fbk.work/") || name.starts_with("work/") || name.ends_with(".facebaker-lock") ||
+  return name.starts_with("face.fbk.work/") || name.starts_with("work/") ||
+         name.starts_with("bagged.facebaker-partial/") || name.ends_with(".facebaker-lock") ||
          name.ends_with(".facebaker-partial");
 }
 
@@ -107,6 +108,7 @@ void Workbench::add_writers(const std::string& face, const std::string& clip, co
   commands_.push_back({"check", {"check", recorded, "--report", in_out("checked")}, {}, true});
   commands_.push_back({"inspect", {"inspect", toy, "--thumbnail", in_out("face.png")}});
   commands_.push_back({"header", {"header", toy, "--out", in_out("face.h")}});
+  commands_.push_back({"bag", {"bag", face, toy, "--out", in_out("bagged"), "--date", "2026-11-29"}, {}, true});
   commands_.push_back({"manual", {"write-manual", in_out("manual")}});
 }
 

@@ -83,7 +83,7 @@ def headers_of(package: str) -> str:
         return package + "-dev"
     if re.match(r"libssl3(t64)?$", package):
         return "libssl-dev"
-    return re.sub(r"^lib(meshoptimizer|microhttpd|openmpi|mpich|webp|png)[\d.-]+(d|t64)?$", r"lib\1-dev", package)
+    return re.sub(r"^lib(meshoptimizer|microhttpd|openmpi|mpich|utf8proc|webp|png)[\d.-]+(d|t64)?$", r"lib\1-dev", package)
 
 
 def main(arguments: List[str]) -> int:

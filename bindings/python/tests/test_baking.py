@@ -332,6 +332,32 @@ class ToolsTest(BakingTest):
         with self.assertRaises(facebaker.CorruptError):
             facebaker.verify(bytes(data))
 
+    def test_bags(self):
+        face = self.bake(toy_rig.make(), recipe="linear").path
+        (self.folder / "rig.txt").write_text("a rig")
+        stages = []
+        bag = self.folder / "bag"
+        written = facebaker.bag([face], bag, sources=[self.folder / "rig.txt"], files={"access/model.glb": face},
+                                info=[("Source-Organization", "Examples")], date="2026-11-29",
+                                progress=lambda stage, *_: stages.append(stage))  # fmt: skip
+        self.assertTrue(written.valid)
+        self.assertIn("verifying archives", stages)
+        self.assertEqual((bag / "data/access/model.glb").read_bytes(), face.read_bytes())
+        self.assertIn("Source-Organization: Examples\n", (bag / "bag-info.txt").read_text())
+        found = facebaker.check_bag(bag)
+        self.assertEqual((found.valid, found.archives, found.faults), (True, 1, ()))
+        self.assertEqual((found.files, found.bytes), (written.files, written.bytes))
+        (bag / "data/source/rig.txt").unlink()
+        found = facebaker.check_bag(bag)
+        self.assertFalse(found.valid)
+        self.assertIn(("data/source/rig.txt", "is missing; manifest-sha512.txt names it"), found.faults)
+        with self.assertRaisesRegex(facebaker.FileError, "is not empty"):
+            facebaker.bag([face], bag)
+        with self.assertRaisesRegex(facebaker.InvalidArgumentError, "give a day as"):
+            facebaker.bag(face, self.folder / "other", date="today")
+        with self.assertRaises(facebaker.NotFoundError):
+            facebaker.check_bag(self.folder / "none")
+
     def test_recipes(self):
         self.assertLessEqual({"hero", "compact", "linear"}, set(facebaker.recipes()))
 

@@ -29,7 +29,8 @@ class FaceBakerRecipe(ConanFile):
 
     def export_sources(self):
         root = os.path.abspath(os.path.join(self.recipe_folder, "..", "..", ".."))
-        for pattern in ("CMakeLists.txt", "VERSION", "LICENSE", "core/*", "capi/*", "packager/packages/*"):
+        for pattern in ("CMakeLists.txt", "VERSION", "LICENSE", "core/*", "capi/*", "packager/packages/*",
+                        "tests/conformance/fbk_*.py"):  # the reader, which is in bags
             copy(self, pattern, src=root, dst=self.export_sources_folder)
 
     def requirements(self):
@@ -42,6 +43,7 @@ class FaceBakerRecipe(ConanFile):
             self.requires("nlohmann_json/[>=3.11 <4]")
             self.requires("openssl/[>=3.0 <4]")
             self.requires("tinygltf/[>=2.7 <3]")
+            self.requires("utf8proc/[>=2.5 <3]")
 
     def validate(self):
         check_min_cppstd(self, 20)
@@ -85,7 +87,8 @@ class FaceBakerRecipe(ConanFile):
             component.requires = ["zlib::zlib", "xxhash::xxhash"]
             if name == "facebaker_bake":
                 component.requires += ["draco::draco", "eigen::eigen", "meshoptimizer::meshoptimizer",
-                                       "nlohmann_json::nlohmann_json", "openssl::crypto", "tinygltf::tinygltf"]
+                                       "nlohmann_json::nlohmann_json", "openssl::crypto", "tinygltf::tinygltf",
+                                       "utf8proc::utf8proc"]
             if not self.options.shared:
                 component.defines = ["FB_STATIC"]
             if self.settings.os in ("Linux", "FreeBSD"):
