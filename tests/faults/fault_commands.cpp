@@ -108,7 +108,7 @@ void Workbench::add_writers(const std::string& face, const std::string& clip, co
   commands_.push_back({"check", {"check", recorded, "--report", in_out("checked")}, {}, true});
   commands_.push_back({"inspect", {"inspect", toy, "--thumbnail", in_out("face.png")}});
   commands_.push_back({"header", {"header", toy, "--out", in_out("face.h")}});
-  commands_.push_back({"bag", {"bag", face, toy, "--out", in_out("bagged"), "--date", "2026-11-29"}, {}, true});
+  commands_.push_back({"bag", {"bag", face, "--out", in_out("bagged"), "--date", "2026-11-29"}});
   commands_.push_back({"manual", {"write-manual", in_out("manual")}});
 }
 

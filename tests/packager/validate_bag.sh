@@ -66,7 +66,9 @@ damage() {
     normalisation)
       for name in "$(printf 'data/\303\251')" "$(printf 'data/e\314\201')"; do : > "$name" && line "$name" >> $manifest; done ;;
     reserved) : > data/nul.txt && line data/nul.txt >> $manifest ;;
-    nested) mkdir data/inner && : > data/inner/bagit.txt && line data/inner/bagit.txt >> $manifest ;;
+    nested)
+      mkdir -p data/inner/data
+      for name in data/inner/bagit.txt data/inner/data/x; do : > $name && line $name >> $manifest; done ;;
     empty) rm -r data && mkdir data && : > $manifest ;;
     damaged-archive) # the checksum is that of the damage
       before=$(sha512sum < "$archive" | cut -d' ' -f1)

@@ -96,9 +96,12 @@ std::string BagFiles::manifest(bool payload) const {
 }
 
 void BagFiles::sync_folders() const {
+  const auto complain = [&](const std::string& path, const std::string& reason) {
+    fail_on(folder_ / path, Status::io, reason);
+  };
+  for (const ClosedFolder::Entry& entry : ClosedFolder(folder_).list(complain, progress_))
+    if (entry.kind == ClosedFolder::Kind::folder) sync_folder(folder_ / entry.path);
   sync_folder(folder_);
-  for (const auto& entry : fs::recursive_directory_iterator(folder_))
-    if (entry.is_directory()) sync_folder(entry.path());
 }
 
 }  // namespace fb::bake

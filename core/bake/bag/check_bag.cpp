@@ -24,6 +24,13 @@ struct Manifest {
   std::set<std::string> paths;
 };
 
+// What is said of a path that some system takes for that of another.
+std::string difference(const std::string& other, const std::string& path) {
+  const bool normalisation = composed_path(other) == composed_path(path);
+  return "differs from " + other +
+         (normalisation ? " in Unicode's normalisation only" : " in the case of letters only");
+}
+
 class BagCheck {
  public:
   BagCheck(const std::filesystem::path& folder, Progress& progress) : folder_(folder), progress_(progress) {}
@@ -34,6 +41,8 @@ class BagCheck {
   void list();
   void check_names();
   void check_collisions();
+  bool begins_bag(const std::string& path) const;
+  std::string missing_reason(const std::string& path, const std::string& manifest) const;
   void read_texts();
   void read_manifests();
   void read_manifest_file(Manifest manifest);
@@ -46,6 +55,7 @@ class BagCheck {
   Progress& progress_;
   BagReport report_;
   std::map<std::string, ClosedFolder::Entry> entries_;
+  std::map<std::string, std::string> folded_;  // to the first path of those that some system takes for one
   std::vector<Manifest> manifests_;
   bool all_manifests_read_ = true;              // false: what is in none may be in one that cannot be read
   std::map<std::string, std::string> fetched_;  // addresses of files that are elsewhere
@@ -83,8 +93,8 @@ void BagCheck::list() {
 void BagCheck::check_names() {
   for (const auto& [path, entry] : entries_) {
     if (const std::string fault = bag_path_fault(path); !fault.empty()) report_.add_fault(path, fault);
-    const bool nested = path.starts_with(payload_prefix) && path.ends_with(std::string("/") + declaration_name);
-    if (nested) report_.add_fault(path, "begins a bag in the bag, whose own checksums nobody would compare: unpack it");
+    if (begins_bag(path))
+      report_.add_fault(path, "begins a bag in the bag, whose own checksums nobody would compare: unpack it");
   }
   const auto payload = entries_.find(payload_folder);
   if (payload == entries_.end())
@@ -96,14 +106,18 @@ void BagCheck::check_names() {
   check_collisions();
 }
 
+// Whether it is the declaration of a bag in the payload.
+bool BagCheck::begins_bag(const std::string& path) const {
+  const std::size_t slash = path.rfind('/');
+  if (slash == std::string::npos || path.substr(slash + 1) != declaration_name) return false;
+  const auto inner = entries_.find(path.substr(0, slash + 1) + payload_folder);
+  return inner != entries_.end() && inner->second.kind == Kind::folder;
+}
+
 void BagCheck::check_collisions() {
-  std::map<std::string, std::string> folded;  // to the first path that is the same
   for (const auto& [path, entry] : entries_) {
-    const auto [first, added] = folded.emplace(folded_path(path), path);
-    if (added) continue;
-    const bool normalisation = composed_path(first->second) == composed_path(path);
-    report_.add_fault(path, "differs from " + first->second +
-                                (normalisation ? " in Unicode's normalisation only" : " in the case of letters only"));
+    const auto [first, added] = folded_.emplace(folded_path(path), path);
+    if (!added) report_.add_fault(path, difference(first->second, path));
   }
 }
 
@@ -177,6 +191,14 @@ void BagCheck::read_fetched() {
   }
 }
 
+std::string BagCheck::missing_reason(const std::string& path, const std::string& manifest) const {
+  if (const auto url = fetched_.find(path); url != fetched_.end())
+    return "is missing: it is to be fetched from " + url->second + ", which is not done";
+  const auto like = folded_.find(folded_path(path));
+  return "is missing; " + manifest + " names it" +
+         (like == folded_.end() ? "" : ", and it " + difference(like->second, path));
+}
+
 // What is named and not there, and what is there and not named.
 void BagCheck::compare_lists() {
   std::set<std::string> missing;
@@ -185,10 +207,7 @@ void BagCheck::compare_lists() {
       const auto entry = entries_.find(path);
       if (entry == entries_.end()) {
         if (!missing.insert(path).second) continue;
-        const auto url = fetched_.find(path);
-        report_.add_fault(path, url == fetched_.end()
-                                    ? "is missing; " + manifest.file + " names it"
-                                    : "is missing: it is to be fetched from " + url->second + ", which is not done");
+        report_.add_fault(path, missing_reason(path, manifest.file));
       } else if (entry->second.kind == Kind::folder) {
         report_.add_fault(path, "is a folder; " + manifest.file + " names it as a file");
       }

@@ -1,5 +1,6 @@
 #include "bake/bag/message_digest.h"
 
+#include <openssl/err.h>
 #include <openssl/evp.h>
 
 #include <array>
@@ -28,8 +29,13 @@ const Algorithm* find(std::string_view name) {
   return nullptr;
 }
 
-void require_done(int done) {
-  if (done != 1) fail(Status::internal, "a checksum cannot be computed by OpenSSL");
+// Of what OpenSSL failed to do; forgets its errors.
+[[noreturn]] void fail_by_openssl(std::string_view algorithm) {
+  bool memory = false;
+  while (const unsigned long error = ERR_get_error()) memory |= ERR_GET_REASON(error) == ERR_R_MALLOC_FAILURE;
+  if (memory) throw std::bad_alloc();
+  fail(Status::unsupported, "%.*s: OpenSSL does not compute this checksum here", static_cast<int>(algorithm.size()),
+       algorithm.data());
 }
 
 }  // namespace
@@ -39,15 +45,18 @@ std::optional<std::size_t> digest_digits(std::string_view algorithm) {
   return found ? std::optional(found->digits) : std::nullopt;
 }
 
-MessageDigest::MessageDigest(std::string_view algorithm) : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+MessageDigest::MessageDigest(std::string_view algorithm)
+    : algorithm_(algorithm), context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
   if (!context_) throw std::bad_alloc();
   const Algorithm* const found = find(algorithm);
   const std::unique_ptr<EVP_MD, void (*)(EVP_MD*)> method(
       found ? EVP_MD_fetch(nullptr, found->openssl_name, nullptr) : nullptr, EVP_MD_free);
-  if (!method)
-    fail(Status::unsupported, "%.*s: OpenSSL has no such checksum here", static_cast<int>(algorithm.size()),
-         algorithm.data());
+  if (!method) fail_by_openssl(algorithm);
   require_done(EVP_DigestInit_ex(context_.get(), method.get(), nullptr));
+}
+
+void MessageDigest::require_done(int done) const {
+  if (done != 1) fail_by_openssl(algorithm_);
 }
 
 void MessageDigest::add(std::span<const std::byte> bytes) {

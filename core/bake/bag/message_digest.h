@@ -29,6 +29,9 @@ class MessageDigest {
   std::string finish();
 
  private:
+  void require_done(int done) const;
+
+  std::string algorithm_;
   std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
 };
 

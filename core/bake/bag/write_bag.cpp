@@ -1,6 +1,6 @@
 #include "bake/bag/write_bag.h"
 
-#include <algorithm>
+#include <system_error>
 
 #include "archive/reader.h"
 #include "bake/bag/bag_files.h"
@@ -29,7 +29,13 @@ constexpr const char *access_prefix = "data/access/", *metadata_prefix = "data/m
 std::string name_of(const fs::path& path) {
   const fs::path named = path.has_filename() ? path : path.parent_path();
   const std::string name = named.filename().string();
-  return name == "." || name == ".." ? fs::canonical(path).filename().string() : name;
+  std::error_code error;
+  return name == "." || name == ".." ? fs::canonical(path, error).filename().string() : name;
+}
+
+// Fails on what cannot be read in a folder.
+ClosedFolder::Complain complain_of(const fs::path& folder) {
+  return [folder](const std::string& path, const std::string& reason) { fail_on(folder / path, Status::io, reason); };
 }
 
 class BagWriter {
@@ -51,6 +57,7 @@ class BagWriter {
  private:
   void add_archives();
   void add_copies();
+  void adopt_copies(const fs::path& access, FaceRecord& face);
   void add_thumbnail(std::size_t index);
   void add_sources();
   void add_folder(const fs::path& source, const std::string& prefix);
@@ -84,14 +91,21 @@ void BagWriter::add_copies() {
       contents_.make_copies(i, access / face.name);
     else
       add_thumbnail(i);
-    for (const auto& entry : fs::directory_iterator(access)) {
-      const std::string path = access_prefix + entry.path().filename().string();
-      if (contents_.make_copies && !files_.all().contains(path)) files_.adopt(path), face.copies.push_back(path);
-    }
-    std::ranges::sort(face.copies);
+    if (contents_.make_copies) adopt_copies(access, face);
     progress_.step(i + 1);
   }
-  if (fs::is_empty(access)) fs::remove(access);
+  std::error_code not_empty;
+  fs::remove(access, not_empty);
+}
+
+// What is new in the folder is of this face.
+void BagWriter::adopt_copies(const fs::path& access, FaceRecord& face) {
+  for (const ClosedFolder::Entry& entry : ClosedFolder(access).list(complain_of(access), progress_)) {
+    const std::string path = access_prefix + entry.path;
+    if (files_.all().contains(path)) continue;
+    files_.adopt(path);
+    face.copies.push_back(path);
+  }
 }
 
 void BagWriter::add_thumbnail(std::size_t index) {
@@ -106,7 +120,8 @@ void BagWriter::add_sources() {
   for (std::size_t i = 0; i < contents_.sources.size(); ++i) {
     const fs::path& source = contents_.sources[i];
     const std::string path = source_prefix + name_of(source);
-    if (fs::is_directory(source))
+    std::error_code missing;
+    if (fs::is_directory(source, missing))
       add_folder(source, path + "/");
     else
       files_.copy(path, source);
@@ -117,11 +132,8 @@ void BagWriter::add_sources() {
 void BagWriter::add_folder(const fs::path& source, const std::string& prefix) {
   OutputLock::refuse_if_written(source);
   const ClosedFolder folder(source);
-  const auto complain = [&](const std::string& path, const std::string& reason) {
-    fail_on(source / path, Status::io, reason);
-  };
   bool empty = true;
-  for (const ClosedFolder::Entry& entry : folder.list(complain, progress_)) {
+  for (const ClosedFolder::Entry& entry : folder.list(complain_of(source), progress_)) {
     if (entry.kind == ClosedFolder::Kind::folder) continue;
     if (entry.kind == ClosedFolder::Kind::link)
       fail_on(source / entry.path, Status::bad_data, "is a symbolic link, which a bag cannot have: give what it names");
@@ -175,8 +187,8 @@ BagReport write_bag(const fs::path& folder, const BagContents& contents, const P
   BagReport report = check_bag(partial.path(), parallel, progress);
   if (!report.valid()) {
     const BagNote& first = report.faults[0];
-    fail(Status::internal, "the bag that was written is not valid: %s: %s", shown(first.file).c_str(),
-         first.reason.c_str());
+    fail(Status::internal, "%s: is not valid as it was written: %s: %s", shown(folder).c_str(),
+         shown(first.file).c_str(), first.reason.c_str());
   }
   partial.commit();
   return report;

@@ -104,7 +104,12 @@ std::vector<Fault> faults_of_files() {
       {"device of Windows", keeps("data/other/nul.txt"), "data/other/nul.txt", "that Windows keeps for a device"},
       {"backslash on the disk", keeps("data/a\\b"), "data/a\\b", "has a backslash in its name"},
       {"name that is no UTF-8", writes("data/caf\xe9", "x"), "data/caf\xe9", "has a name that is no UTF-8"},
-      {"a bag in the bag", keeps("data/inner/bagit.txt"), "data/inner/bagit.txt", "begins a bag in the bag"},
+      {"a bag in the bag",
+       [](const fs::path& bag) {
+         keeps("data/inner/bagit.txt")(bag);
+         keeps("data/inner/data/words.txt")(bag);
+       },
+       "data/inner/bagit.txt", "begins a bag in the bag"},
       {"no payload folder", [](const fs::path& bag) { fs::remove_all(bag / "data"); }, "data",
        "there is no such folder"},
       {"empty payload",
@@ -169,6 +174,9 @@ std::vector<Fault> faults_of_manifests() {
       {"twice", adds_line(line(words)), words, "names it a second time"},
       {"twice, with another checksum", adds_line(digest_of("x") + "  " + words + "\n"), words,
        "names it a second time, with another checksum"},
+      {"the name of a file in other letters", adds_line(line("data/other/WORDS.txt")), "data/other/WORDS.txt",
+       "is missing; manifest-sha512.txt names it, and it differs from data/other/words.txt in the case of letters "
+       "only"},
       {"no path", adds_line(digest + "\n"), "line ", "is no checksum with a path after it"},
       {"empty line", adds_line("\n"), "line ", "is no checksum with a path after it"},
       {"short checksum", adds_line("abc123  data/x\n"), "data/x", "has 6 digits instead of 128"},

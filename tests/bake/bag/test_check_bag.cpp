@@ -90,6 +90,14 @@ TEST_CASE("what is weak or odd in a bag is told") {
   CHECK(warns(report, "no tag manifest names it"));
 }
 
+TEST_CASE("a file called bagit.txt is not yet a bag in the bag") {
+  OtherBag bag;
+  bag.list("sha256", "data/a b/words");
+  bag.append("data/bagit.txt", "some words\n");
+  bag.list("sha256", "data/bagit.txt");
+  CHECK(bag.check().valid());
+}
+
 TEST_CASE("files with line ends and per cent signs in their names are encoded") {
   const std::string odd = "data/a\nb\rc%d%0A";
   CHECK(fb::bake::encode_bag_path(odd) == "data/a%0Ab%0Dc%25d%250A");
