@@ -203,7 +203,10 @@ void add_bake(Command tool) {
   const Command app = tool.add_command("bake", "Train a face on poses and write it as an archive");
   add_sources(app, command->sources);
   add_out_archive(app, command->out);
-  app.add_option("--recipe", command->recipe, "Method to bake with; linear, of a live rig, and untrained learn nothing from poses").one_of(recipe_names()).shows_default();
+  app.add_option("--recipe", command->recipe,
+                 "Method to bake with; linear, of a live rig, and untrained learn nothing from poses")
+      .one_of(recipe_names())
+      .shows_default();
   app.add_option("--use", command->use, "variant: shots are not trained on; backlot: they are")
       .one_of({"variant", "backlot"})
       .shows_default();

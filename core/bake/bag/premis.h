@@ -11,7 +11,7 @@
 namespace fb::bake {
 
 // Of the files of a payload: an object with checksum, size and format for each; who made them, when and of what; that
-// archives were validated and the bag was made, on `date`, by `software` ("FaceBaker 0.9.0"); and the rights that
+// archives were validated and the bag was made, on `date`, by `software` ("FaceBaker VERSION"); and the rights that
 // archives state. Paths within the bag identify objects.
 std::string premis_xml(const std::map<std::string, BaggedFile>& files, const std::vector<FaceRecord>& faces,
                        const std::string& date, const std::string& software);

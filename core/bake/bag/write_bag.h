@@ -22,7 +22,7 @@ struct BagContents {
   std::vector<std::pair<std::string, std::filesystem::path>> files;
   std::vector<std::pair<std::string, std::string>> info;  // more labels and values of bag-info.txt
   std::string date;      // of the bag, "2026-11-29"; the same date gives the same bytes
-  std::string software;  // "FaceBaker 0.9.0"
+  std::string software;  // "FaceBaker VERSION"
   // Writes access copies of an archive: files whose names begin with `base`, such as base + ".png". Empty: the
   // archive's own thumbnail is the copy, if it has one.
   std::function<void(std::size_t archive, const std::filesystem::path& base)> make_copies;

@@ -12,8 +12,8 @@
 namespace fb::bake {
 namespace {
 
-// Over the diagonal. With this packing scale, the worst poses that bench_worst_poses finds of Aura are off by 7e-5; with
-// 1e-6 by 1.3e-4, in 0.8 of the bytes.
+// Over the diagonal. With this packing scale, the worst poses that bench_worst_poses finds of Aura are off by 7e-5;
+// with 1e-6 by 1.3e-4, in 0.8 of the bytes.
 constexpr double tolerance = 2e-5, packing_scale = 5e-7;
 constexpr std::uint32_t max_knots = 16;
 
@@ -32,8 +32,7 @@ std::string summary(const RigAnalysis& analysis) {
   return format(
       "nothing is learned: %zu shapes with %zu values are what the rig does, %u controls are linear, %zu "
       "correctives were found; between knots the curves are off by %.1e of the diagonal at most",
-      analysis.base.shapes.size(), values, analysis.linear_controls, analysis.correctives.size(),
-      analysis.curve_error);
+      analysis.base.shapes.size(), values, analysis.linear_controls, analysis.correctives.size(), analysis.curve_error);
 }
 
 }  // namespace

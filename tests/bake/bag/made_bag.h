@@ -42,7 +42,7 @@ inline void append_to(const std::filesystem::path& file, const std::string& text
 inline std::vector<std::byte> tiny_archive(std::uint64_t seed, const std::string& about = "") {
   PackedModel model = tiny_packed_model(seed);
   model.character.about = about;
-  model.provenance = R"({"creator":"FaceBaker 0.9.0","created":"2026-11-01","recipe":"hero"})";
+  model.provenance = R"({"creator":"FaceBaker 1.2","created":"2026-11-01","recipe":"hero"})";
   return archive::write_archive(model, bake::make_proof(model, 1), {"CC0", ""});
 }
 
@@ -57,7 +57,7 @@ class MadeBag {
     contents.archives = {folder_ / "old.fbk", folder_ / "young.fbk"};
     contents.files = {{"other/words.txt", folder_ / "words.txt"}};
     contents.date = "2026-11-29";
-    contents.software = "FaceBaker 0.9.0";
+    contents.software = "FaceBaker 1.2";
     report_ = bake::write_bag(path(), contents, {1}, silent_progress());
   }
   std::filesystem::path path() const { return folder_ / "bag"; }

@@ -27,7 +27,7 @@ fb::bake::BagContents contents_of(const std::vector<fs::path>& archives) {
   fb::bake::BagContents contents;
   contents.archives = archives;
   contents.date = "2026-11-29";
-  contents.software = "FaceBaker 0.9.0";
+  contents.software = "FaceBaker 1.2";
   return contents;
 }
 

@@ -25,8 +25,8 @@ void composed_formula(const float* controls, std::span<float> points) {
   curved_formula(controls, points);
   const auto c = shares(controls);
   for (std::size_t i = 0; i < points.size(); ++i)
-    points[i] += 0.3f * std::sin(2 * c[3]) * std::sin(0.7f * float(i)) +
-                 0.2f * c[0] * c[2] * c[3] * std::cos(0.9f * float(i));
+    points[i] +=
+        0.3f * std::sin(2 * c[3]) * std::sin(0.7f * float(i)) + 0.2f * c[0] * c[2] * c[3] * std::cos(0.9f * float(i));
 }
 
 MemorySource composed_rig() {
@@ -86,8 +86,7 @@ TEST_CASE("recipes that learn say so") {
 
 TEST_CASE("a recording has no controls to move: without learning, nothing can be made of it") {
   const WorkFolder folder;
-  const std::string what =
-      failure(Status::invalid_argument, [&] { baked(curved_face(), "untrained", folder); });
+  const std::string what = failure(Status::invalid_argument, [&] { baked(curved_face(), "untrained", folder); });
   CHECK_MESSAGE(contains(what, "is a recording, and recipe \"untrained\" fits nothing to poses"), what);
 }
 
@@ -100,17 +99,20 @@ TEST_CASE("who may not learn from a character is told which recipe does not") {
   }
   for (const char* recipe : {"untrained", "linear"}) {
     const WorkFolder folder;
-    CHECK(object_in(read_archive(baked(forbidden_rig(), recipe, folder).archive).model.provenance).at("learned") == "no");
+    CHECK(object_in(read_archive(baked(forbidden_rig(), recipe, folder).archive).model.provenance).at("learned") ==
+          "no");
   }
   // linear fits blendshapes to a recording.
   MemorySource recording = curved_face();
   recording.edit_character().about = R"({"rights":{"learning":"forbidden"}})";
   const WorkFolder folder;
-  CHECK(contains(failure(Status::invalid_argument, [&] { baked(std::move(recording), "linear", folder); }), "learning"));
+  CHECK(
+      contains(failure(Status::invalid_argument, [&] { baked(std::move(recording), "linear", folder); }), "learning"));
 }
 
 TEST_CASE("what a source forbids, nobody who bakes it allows") {
-  for (const char* about : {R"({"rights":{"learning":"allowed"}})", R"({"rights":{"learning":null}})", R"({"rights":null})"}) {
+  for (const char* about :
+       {R"({"rights":{"learning":"allowed"}})", R"({"rights":{"learning":null}})", R"({"rights":null})"}) {
     const WorkFolder folder;
     const std::string what =
         failure(Status::invalid_argument, [&] { baked(forbidden_rig(), "untrained", folder, about); });
@@ -128,8 +130,9 @@ TEST_CASE("a comparison learns only from whom it may") {
   MemorySource rig = forbidden_rig();
   BakeOptions options = options_in(folder);
   options.poses = 300;
-  const std::string what =
-      failure(Status::invalid_argument, [&] { compare(rig, {"linear", "paper"}, options, silent_progress()); });
+  const std::string what = failure(Status::invalid_argument, [&] {
+    compare(rig, {"linear", "paper"}, options, silent_progress());
+  });
   CHECK_MESSAGE(contains(what, "\"paper\""), what);
   const CompareReport report = compare(rig, {"linear", "untrained"}, options, silent_progress());
   CHECK(report.methods.size() >= 2);

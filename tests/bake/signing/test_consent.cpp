@@ -37,8 +37,8 @@ TEST_CASE("a consent that is signed says what is permitted") {
 TEST_CASE("a consent that was changed, has expired or is not signed is refused, naming the file") {
   SignedConsent made(R"({"format": "facebaker-consent", "version": 1, "performer": "Ada", "agreement": "A-7",
                          "permits": ["learning"], "expires": "2026-01-31"})");
-  CHECK(holds(made.refusal(), "the consent of Ada has expired: it held until 2026-01-31, and this is " + calendar_day_text(today()) +
-                                  " (" + made.file.string() + ")"));
+  CHECK(holds(made.refusal(), "the consent of Ada has expired: it held until 2026-01-31, and this is " +
+                                  calendar_day_text(today()) + " (" + made.file.string() + ")"));
   write_file(made.file, whole);
   CHECK(
       holds(made.refusal(), "the signature is of other bytes: the file was changed after CN = Ada's agent signed it"));

@@ -38,7 +38,8 @@ struct SignedContent {
   SignatureFacts check(const SignatureRules& rules = {.day = calendar_day_text(today())}) const {
     return check_signature(content, signature, read_trusted({folder / "signer.pem"}), rules);
   }
-  std::string refusal(const SignatureRules& rules = {.day = calendar_day_text(today())}, Status status = Status::bad_data) const {
+  std::string refusal(const SignatureRules& rules = {.day = calendar_day_text(today())},
+                      Status status = Status::bad_data) const {
     return failure(status, [&] { check(rules); });
   }
 
