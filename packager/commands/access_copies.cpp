@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "base/file.h"
+#include "base/progress.h"
 #include "commands/export_blendshapes.h"
 #include "commands/moving_region.h"
 #include "commands/pose_evaluator.h"
@@ -42,7 +43,8 @@ void write_access_copies(const std::string& archive, const std::string& base, co
   draw_face(evaluator, base + ".png");
   BlendshapeExport options;
   options.licence = info.licence;
-  const ExportResult exported = export_blendshapes(evaluator, rest_pose(model), options, base + ".glb");
+  const ExportResult exported =
+      export_blendshapes(evaluator, rest_pose(model), options, base + ".glb", silent_progress());
   const std::string name = std::filesystem::path(base).filename().string();
   std::string text = "Access copies of data/archives/" + name + ", for looking at; the archive is what counts.\n\n" +
                      name + ".png: the face at rest\n" + name + ".glb: glTF 2.0 with blendshapes, an approximation\n";

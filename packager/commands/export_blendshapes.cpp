@@ -11,7 +11,6 @@
 #include "commands/drawn_poses.h"
 #include "commands/face_rights.h"
 #include "commands/pose_animation.h"
-#include "commands/progress_bar.h"
 #include "export/glb_file.h"
 #include "export/morph_normals.h"
 
@@ -160,8 +159,7 @@ MorphError stand_in_error(PoseEvaluator& evaluator, const std::vector<ControlSha
 }  // namespace
 
 ExportResult export_blendshapes(PoseEvaluator& evaluator, const Poses& poses, const BlendshapeExport& options,
-                                const std::string& path) {
-  ProgressBar progress;
+                                const std::string& path, Progress& progress) {
   const CharacterView& character = evaluator.character();
   const double diagonal = character.mesh.diagonal();
   const std::vector<float> drawn = draw_poses(evaluator.model(), options.poses, options.seed, Stream::exported_shapes);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "base/progress.h"
 #include "commands/export_result.h"
 #include "commands/pose_controls.h"
 #include "commands/pose_evaluator.h"
@@ -23,6 +24,6 @@ struct BlendshapeExport {
 // as shapes_of_both_ends has it. A clip becomes an animation of their weights, and of more targets, "correction0" and
 // so on, which bring it within the tolerance.
 ExportResult export_blendshapes(PoseEvaluator& evaluator, const Poses& poses, const BlendshapeExport& options,
-                                const std::string& path);
+                                const std::string& path, Progress& progress);
 
 }  // namespace fb::tool

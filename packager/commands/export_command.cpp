@@ -127,7 +127,8 @@ ExportResult ExportCommand::write_moving(const facebaker::Archive& opened, const
     options.poses = poses;
     options.seed = seed;
     options.licence = opened.info().licence;
-    result = export_blendshapes(evaluator, frames, options, out);
+    ProgressBar progress;
+    result = export_blendshapes(evaluator, frames, options, out, progress);
   }
   result.figures["frames"] = frames.frames;
   result.figures["clamped"] = frames.clamped;
