@@ -9,14 +9,9 @@
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
 
-#include <ctime>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace fb::test {
 
@@ -44,6 +39,7 @@ class SigningTestKey {
                                0);
     const SigningTestKey& by = issuer ? *issuer : *this;
     X509_set_issuer_name(made, X509_get_subject_name(by.certificate_.get()));
+    add_extension(NID_subject_key_identifier, "hash");
     add_extension(NID_basic_constraints, options.constraints);
     if (options.key_usage) add_extension(NID_key_usage, options.key_usage);
     const bool own_digest = EVP_PKEY_get_base_id(by.key_.get()) == EVP_PKEY_ED25519;
@@ -70,8 +66,10 @@ class SigningTestKey {
 
  private:
   void add_extension(int kind, const char* value) {
+    X509V3_CTX context;
+    X509V3_set_ctx(&context, nullptr, certificate_.get(), nullptr, nullptr, 0);
     const std::unique_ptr<X509_EXTENSION, void (*)(X509_EXTENSION*)> one(
-        X509V3_EXT_conf_nid(nullptr, nullptr, kind, value), X509_EXTENSION_free);
+        X509V3_EXT_conf_nid(nullptr, &context, kind, value), X509_EXTENSION_free);
     X509_add_ext(certificate_.get(), one.get(), -1);
   }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "bake/signing/content_digest.h"
+#include "bake/signing/der_frame.h"
 #include "bake/signing/signer_certificate.h"
 #include "base/shown_path.h"
 
@@ -75,6 +76,7 @@ CmsSignature::CmsSignature(std::span<const std::byte> der) : message_(read_messa
   ASN1_OCTET_STRING** content = CMS_get0_content(message_.get());
   if (!content || *content) fail(Status::bad_data, "holds what it signs: it must be detached, beside the file");
   find_signer();
+  check_frame(der);
   check_algorithms();
   check_attributes();
 }
@@ -98,6 +100,22 @@ void CmsSignature::find_signer() {
   }
   check_key_usage(certificate_, "is by");
   CMS_SignerInfo_set1_signer_cert(signer_, certificate_);
+}
+
+// What nothing signs has one form, so that no byte of a signature can change unseen.
+void CmsSignature::check_frame(std::span<const std::byte> der) const {
+  const std::vector<unsigned char> again = der_of(message_.get(), i2d_CMS_ContentInfo, "reading a signature");
+  if (!std::ranges::equal(std::as_bytes(std::span(again)), der))
+    fail(Status::bad_data, "is damaged: it is CMS, but not in DER");
+  ASN1_OCTET_STRING* key_identifier = nullptr;
+  X509_NAME* issuer = nullptr;
+  CMS_SignerInfo_get0_signer_id(signer_, &key_identifier, &issuer, nullptr);
+  if (!has_right_versions(again, key_identifier != nullptr))
+    fail(Status::bad_data, "is damaged: its version is not that of RFC 5652");
+  // OpenSSL compares names without case.
+  if (issuer && der_of(issuer, i2d_X509_NAME, "reading a name") !=
+                    der_of(X509_get_issuer_name(certificate_), i2d_X509_NAME, "reading a name"))
+    fail(Status::bad_data, "is damaged: it does not name the issuer of its signer's certificate");
 }
 
 void CmsSignature::check_algorithms() const {

@@ -33,6 +33,7 @@ class CmsSignature {
   };
 
   void find_signer();
+  void check_frame(std::span<const std::byte> der) const;
   void check_algorithms() const;
   void check_attributes() const;
   const ASN1_TIME* signing_time() const;

@@ -24,7 +24,8 @@ struct PemBytes {
   PemBytes& operator=(const PemBytes&) = delete;
 
   BioChain reader() const {
-    return BioChain(made(BIO_new_mem_buf(bytes.data(), static_cast<int>(bytes.size())), "reading PEM"));
+    const void* first = bytes.empty() ? "" : static_cast<const void*>(bytes.data());
+    return BioChain(made(BIO_new_mem_buf(first, static_cast<int>(bytes.size())), "reading PEM"));
   }
 
   std::vector<std::byte> bytes;

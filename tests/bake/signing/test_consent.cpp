@@ -1,9 +1,8 @@
 // Consents: read, and held to their signature and their days.
 #include "bake/signing/consent.h"
 
-#include "bake_test_support.h"
-#include "base/calendar_day.h"
 #include "signing/signed_consent.h"
+#include "signing/signed_content.h"
 
 namespace test_consent {
 
@@ -15,13 +14,9 @@ const char* const whole = R"({"format": "facebaker-consent", "version": 1, "perf
   "permits": ["learning", "film"], "expires": "2090-12-31",
   "sources": [{"sha256": "00112233445566778899AABBCCDDEEFF00112233445566778899aabbccddeeff"}]})";
 
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST_CASE("a consent that is signed says what is permitted") {
   const SignedConsent made(whole);
-  const Consent consent = verified_consent(made.file, made.key, calendar_day_text(today()));
+  const Consent consent = verified_consent(made.file, made.key, this_day());
   CHECK(consent.performer == "Ada");
   CHECK(consent.agreement == "A-7");
   CHECK(consent.expires == "2090-12-31");
@@ -37,8 +32,8 @@ TEST_CASE("a consent that is signed says what is permitted") {
 TEST_CASE("a consent that was changed, has expired or is not signed is refused, naming the file") {
   SignedConsent made(R"({"format": "facebaker-consent", "version": 1, "performer": "Ada", "agreement": "A-7",
                          "permits": ["learning"], "expires": "2026-01-31"})");
-  CHECK(holds(made.refusal(), "the consent of Ada has expired: it held until 2026-01-31, and this is " +
-                                  calendar_day_text(today()) + " (" + made.file.string() + ")"));
+  CHECK(holds(made.refusal(), "the consent of Ada has expired: it held until 2026-01-31, and this is " + this_day() +
+                                  " (" + made.file.string() + ")"));
   write_file(made.file, whole);
   CHECK(
       holds(made.refusal(), "the signature is of other bytes: the file was changed after CN = Ada's agent signed it"));

@@ -1,56 +1,14 @@
 // Detached signatures: made, checked, and refused by name.
 #include <cstring>
-#include <string_view>
+#include <span>
 
-#include "bake/signing/check_signature.h"
-#include "bake/signing/content_digest.h"
-#include "bake/signing/key_files.h"
-#include "bake/signing/sign_bytes.h"
-#include "bake_test_support.h"
-#include "base/calendar_day.h"
-#include "signing_keys.h"
+#include "signing/signed_content.h"
 
 namespace test_signatures {
 
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
-
-std::vector<std::byte> bytes_of(std::string_view text) {
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
-
-std::string day_from_now(int days) {
-  const auto day = std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now()) + std::chrono::days(days);
-  const std::chrono::year_month_day parts(day);
-  return format("%04d-%02u-%02u", int(parts.year()), unsigned(parts.month()), unsigned(parts.day()));
-}
-
-// What is signed, by whom, in a folder.
-struct SignedContent {
-  explicit SignedContent(SigningTestKey signer) : signer(std::move(signer)) {
-    write_file(folder / "key.pem", this->signer.key_pem() + this->signer.certificate_pem());
-    write_file(folder / "signer.pem", this->signer.certificate_pem());
-    signature = sign_bytes(content, read_signing_key(folder / "key.pem", "", {}));
-  }
-
-  SignatureFacts check(const SignatureRules& rules = {.day = calendar_day_text(today())}) const {
-    return check_signature(content, signature, read_trusted({folder / "signer.pem"}), rules);
-  }
-  std::string refusal(const SignatureRules& rules = {.day = calendar_day_text(today())},
-                      Status status = Status::bad_data) const {
-    return failure(status, [&] { check(rules); });
-  }
-
-  Folder folder;
-  SigningTestKey signer;
-  std::vector<std::byte> content = bytes_of("a face"), signature;
-};
-
-bool holds(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
-}
 
 TEST_CASE("a signature says who signed, when and by which key, of every kind of key that signs") {
   struct Kind {
@@ -70,7 +28,7 @@ TEST_CASE("a signature says who signed, when and by which key, of every kind of 
     CHECK(facts.signer.key_sha256.size() == 64);
     CHECK(facts.signer.valid_from == day_from_now(-1));
     CHECK(facts.signer.valid_until == day_from_now(3650));
-    CHECK(facts.signed_at.substr(0, 8) == calendar_day_text(today()).substr(0, 8));
+    CHECK(facts.signed_at.substr(0, 8) == this_day().substr(0, 8));
     CHECK(facts.trusted_by == TrustedBy::certificate);
     CHECK(facts.trusted_file == made.folder / "signer.pem");
     CHECK(!facts.expired);
@@ -91,6 +49,41 @@ TEST_CASE("other bytes, other signers and days out of the certificate's are refu
   write_file(made.folder / "signer.pem", other.certificate_pem());
   CHECK(holds(made.refusal(), "is intact, but by somebody who is not trusted: CN = Ada, whose key has the SHA-256 "));
   CHECK(holds(made.refusal(), "; trusted are: CN = Bob"));
+}
+
+TEST_CASE("no byte of a signature can be changed, and none be left out") {
+  for (EVP_PKEY* key : {EVP_EC_gen("P-256"), EVP_RSA_gen(2048)}) {
+    const SignedContent made{SigningTestKey(key)};
+    const std::vector<TrustedFile> trusted = read_trusted({made.folder / "signer.pem"});
+    write_file(made.folder / "key.pub", made.signer.public_pem());
+    const std::vector<TrustedFile> by_key = read_trusted({made.folder / "key.pub"});
+    const auto refused = [&](std::span<const std::byte> signature, std::span<const TrustedFile> trust) {
+      try {
+        check_signature(made.content, signature, trust, {.day = this_day()});
+        return false;
+      } catch (const Error& error) {
+        return error.status() != Status::internal && std::strlen(error.what()) > 0;
+      }
+    };
+    std::vector<std::byte> signature = made.signature;
+    for (std::size_t size = 0; size < signature.size(); ++size) {
+      CAPTURE(size);
+      CHECK(refused(std::span(signature).first(size), trusted));
+    }
+    for (std::size_t at = 0; at < signature.size(); ++at)
+      for (const int flip : {0x01, 0x02, 0x04, 0x08, 0x10, 0x20, 0x40, 0x80, 0xff}) {
+        CAPTURE(at);
+        CAPTURE(flip);
+        signature[at] ^= std::byte(flip);
+        CHECK(refused(signature, trusted));
+        CHECK(refused(signature, by_key));
+        signature[at] ^= std::byte(flip);
+      }
+    CHECK(!refused(signature, trusted));
+    CHECK(!refused(signature, by_key));
+    signature.push_back({});
+    CHECK(refused(signature, trusted));
+  }
 }
 
 }  // namespace test_signatures
