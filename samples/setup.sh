@@ -6,7 +6,7 @@
 set -eu
 
 packages="g++ cmake ninja-build pkg-config libeigen3-dev libdraco-dev libmeshoptimizer-dev libtinygltf-dev libstb-dev nlohmann-json3-dev
-  zlib1g-dev libssl-dev libpng-dev libturbojpeg0-dev libwebp-dev libxxhash-dev libutf8proc-dev libcli11-dev libmicrohttpd-dev libcmocka-dev doctest-dev python3-numpy python3-pip mypy file"
+  zlib1g-dev libssl-dev libpng-dev libturbojpeg0-dev libwebp-dev libxxhash-dev libutf8proc-dev libcli11-dev libmicrohttpd-dev libcmocka-dev doctest-dev python3-numpy python3-pip mypy file openssl"
 case "${1:-}" in
   "") ;;
   --sanitizers) packages="$packages clang libclang-rt-dev libomp-dev lld" ;;

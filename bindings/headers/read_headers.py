@@ -12,6 +12,7 @@ FOLDER = pathlib.Path(__file__).resolve().parents[2] / "capi" / "include" / "fac
 RUNTIME_HEADERS = ("facebaker.h", "facebaker_character.h", "facebaker_solve.h")  # of libfacebaker
 HEADERS = RUNTIME_HEADERS + (  # all, each after those that it includes
     "facebaker_rig.h", "facebaker_source.h", "facebaker_archive.h", "facebaker_bag.h", "facebaker_export.h",
+    "facebaker_sign.h",
     "facebaker_bake.h",
 )  # fmt: skip
 # Bytes of the scalar types; size_t has those of a pointer.

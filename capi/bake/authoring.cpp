@@ -81,6 +81,13 @@ fb_errors c_errors(const Errors& errors) {
   return {errors.frames, errors.mse, errors.rms, errors.mean, errors.p99, errors.max, errors.mfm, errors.worst_frame};
 }
 
+CalendarDay day_of(const char* on) {
+  if (!on) return today();
+  const std::optional<CalendarDay> day = calendar_day_in(on);
+  if (!day) fail(Status::invalid_argument, "%s is no day as in 2031-12-31", shown(on).c_str());
+  return *day;
+}
+
 }  // namespace fb::capi
 
 extern "C" int32_t fb_progress_phase(void) {

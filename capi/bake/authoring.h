@@ -21,6 +21,7 @@
 #include "bake/recipe/bake_options.h"
 #include "bake/rig/source.h"
 #include "bake/sampling/read_examples.h"
+#include "base/calendar_day.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 
@@ -82,6 +83,9 @@ Parallel parallel_of(std::uint32_t threads, Progress* progress);
 
 // The source of a description; fails naming the field unless there is one.
 bake::Source& source_of(const fb_source* source, const char* field);
+
+// The day of a text such as "2031-12-31"; today of null. Fails with invalid_argument on another text.
+CalendarDay day_of(const char* on);
 
 // Fails unless `use` is one of FB_USE_...
 bake::Use use_of(std::int32_t use);

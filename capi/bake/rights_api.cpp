@@ -3,20 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/authoring.h"
-#include "base/shown_path.h"
 
-using fb::fail;
-using fb::Status;
 using namespace fb::capi;
 
 namespace {
-
-fb::CalendarDay day_of(const char* on) {
-  if (!on) return fb::today();
-  const std::optional<fb::CalendarDay> day = fb::calendar_day_in(on);
-  if (!day) fail(Status::invalid_argument, "%s is no day as in 2031-12-31", fb::shown(on).c_str());
-  return *day;
-}
 
 std::string lines_of(const std::vector<std::string>& clauses) {
   std::string text;

@@ -16,6 +16,7 @@ void add_diff(Command tool);
 void add_compare(Command tool);
 void add_inspect(Command tool);
 void add_verify(Command tool);
+void add_sign(Command tool);
 void add_pack(Command tool);
 void add_bag(Command tool);
 void add_pose(Command tool);

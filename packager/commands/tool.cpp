@@ -104,6 +104,7 @@ int run_commands(int argc, char** argv) {
   add_compare(commands);
   add_inspect(commands);
   add_verify(commands);
+  add_sign(commands);
   add_pack(commands);
   add_bag(commands);
   add_pose(commands);

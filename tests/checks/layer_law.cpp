@@ -82,7 +82,7 @@ const std::map<std::string, Layers>& law() {
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
     may["authoring C ABI"] =
         with(with(may["C ABI"], may["bake/pipeline"]),
-             {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check", "bake/export", "bake/rights", "bake/bag"});
+             {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check", "bake/export", "bake/rights", "bake/bag", "bake/signing"});
     may["packager"] = {"base", "figures", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};

@@ -10,6 +10,7 @@
 #include "archive/writer.h"
 #include "bake/measure/verify.h"
 #include "base/file.h"
+#include "signing_keys.h"
 #include "test_models.h"
 
 namespace fs = std::filesystem;
@@ -21,7 +22,7 @@ namespace {
 bool is_timed(const std::string& name) {
   const auto ends = [&](const char* end) { return name.ends_with(end); };
   return (ends(".json") && !ends("dataset.json")) || ends(".md") || ends(".html") || ends(".csv") ||
-         ends(".checkpoint");
+         ends(".checkpoint") || ends(".sig");
 }
 
 // Files that a stopped command may leave for the next one.
@@ -109,6 +110,10 @@ void Workbench::add_writers(const std::string& face, const std::string& clip, co
   commands_.push_back({"inspect", {"inspect", toy, "--thumbnail", in_out("face.png")}});
   commands_.push_back({"header", {"header", toy, "--out", in_out("face.h")}});
   commands_.push_back({"bag", {"bag", face, "--out", in_out("bagged"), "--date", "2026-11-29"}});
+  const fb::test::SigningTestKey signer(fb::test::new_curve_key());
+  const std::string key = folder_ / "key.pem";
+  fb::write_file(key, signer.key_pem() + signer.certificate_pem());
+  commands_.push_back({"sign", {"sign", face, "--key", key, "--out", in_out("face.fbk.sig")}});
   commands_.push_back({"manual", {"write-manual", in_out("manual")}});
 }
 
@@ -121,7 +126,8 @@ void Workbench::reset() const {
 
 ToolRun Workbench::run(const Command& command, const ToolSetting& setting) const {
   std::vector<std::string> arguments = command.arguments;
-  constexpr std::array<std::string_view, 5> without_threads = {"pack", "bench", "inspect", "header", "write-manual"};
+  constexpr std::array<std::string_view, 6> without_threads = {"pack",   "bench",        "inspect",
+                                                               "header", "write-manual", "sign"};
   if (std::ranges::find(without_threads, arguments[0]) == without_threads.end())
     arguments.insert(arguments.end(), {"--threads", "1"});
   ToolSetting quiet = setting;

@@ -13,7 +13,7 @@ namespace test_tool_use {
 namespace {
 
 const std::vector<std::string> commands = {"sample", "plan", "check", "bake",   "eval",   "compare", "inspect",
-                                           "verify", "bag",  "pose",  "export", "header", "bench",   "rig-host"};
+                                           "verify", "bag", "sign",  "pose",  "export", "header", "bench",   "rig-host"};
 
 }  // namespace
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ._bake import (
     Option, bag, bake, check, check_bag, compare, diff, evaluate, inspect, options, pack, plan, recipes, rights,
-    sample, verify,
+    sample, sign, verify, verify_signature,
 )  # fmt: skip
 from ._character import (
     Channel,
@@ -52,7 +52,7 @@ __all__ = [
     "Skin", "Socket", "Solution", "Solver", "Source", "SparseColumns", "StoppedError", "Texture",
     "UnsupportedError", "VerifyResult", "__version__", "bag", "bake", "check", "check_bag", "compare", "diff",
     "evaluate", "evaluate_many", "inspect", "load", "options", "pack", "plan", "recipes", "rights", "sample",
-    "save_dataset", "verify",
+    "save_dataset", "sign", "verify", "verify_signature",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

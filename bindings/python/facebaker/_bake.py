@@ -265,6 +265,55 @@ def verify(archive: AnyArchive) -> VerifyResult:
     return VerifyResult(_reported(Call(), library.fb_verify, opened.handle), ())
 
 
+def sign(
+    file: Place,
+    key: Place,
+    *,
+    certificate: Optional[Place] = None,
+    pass_phrase: Optional[str] = None,
+    out: Optional[Place] = None,
+) -> Result:
+    """Signs all bytes of a file, which stays as it is: an archive, which is verified first, a consent or a list of
+    withdrawals. Its `document` says by whom, when, and which file has the signature.
+
+    key: a PEM file with a private key; certificate: of the key's certificate; None: it is in `key`, too. out: the signature
+    to write; None: `file` with ".sig"."""
+    desc = library.filled(abi.fb_sign_desc)
+    desc.path, desc.key, desc.certificate = path_bytes(file), path_bytes(key), _optional_path(certificate)
+    desc.pass_phrase, desc.signature = _optional_text(pass_phrase), _optional_path(out)
+    return Result(_reported(Call(), library.fb_sign, desc), ())
+
+
+def verify_signature(
+    file: AnyArchive,
+    signature: Optional[Place] = None,
+    *,
+    trusted: Sequence[Place] = (),
+    withdrawn: Sequence[Place] = (),
+    on: Union[str, datetime.date, None] = None,
+    accept_expired: bool = False,
+) -> Result:
+    """Whether a file is as somebody trusted signed it, and its consent is not withdrawn. Its `document` says who signed and
+    when, by which file that is trusted, and what was asked of which list. Raises BadDataError, naming what is not so.
+
+    file: a path of any file, the bytes of an archive or a Face. signature: None: the path of `file` with ".sig". trusted: PEM
+    files with certificates of signers, of who issued those, or public keys. withdrawn: lists of withdrawals, each with its
+    signature beside it. on: the day on which all of it must hold, as for rights. accept_expired: a certificate that was
+    valid when the signer says to have signed is enough."""
+    desc = library.filled(abi.fb_verify_signature_desc)
+    source = getattr(file, "source", file)
+    if isinstance(source, bytes):
+        opened = Archive(source)
+        desc.archive = opened.handle
+    else:
+        desc.path = path_bytes(source)
+    desc.signature, desc.on = _optional_path(signature), _optional_day(on)
+    desc.trusted, desc.trusted_count = _paths(trusted)
+    desc.withdrawn, desc.withdrawn_count = _paths(withdrawn)
+    desc.flags = abi.FB_SIGNATURE_ACCEPT_EXPIRED if accept_expired else 0
+    return Result(_reported(Call(), library.fb_verify_signature, desc), ())
+
+
 def inspect(archive: AnyArchive) -> Result:
     """Everything worth knowing of an archive, as the document of `facebaker inspect`: its `document`."""
     opened = Archive(archive)
@@ -276,8 +325,7 @@ def rights(archive: AnyArchive, *, on: Union[str, datetime.date, None] = None) -
     a program from a face whose rights have ended; that is its own to decide. archive: a path, bytes or a Face. on: of UTC,
     "2031-12-31" or a date; None: today."""
     about = Archive(archive).text("about").encode()
-    day = on.isoformat()[:10] if isinstance(on, datetime.date) else on
-    return RightsResult(_reported(Call(), library.fb_rights, about, text_bytes(day) if day is not None else None), ())
+    return RightsResult(_reported(Call(), library.fb_rights, about, _optional_day(on)), ())
 
 
 def diff(before: AnyArchive, now: AnyArchive) -> Result:
@@ -459,6 +507,10 @@ def _paths(paths: Sequence[Place]) -> Tuple[Any, int]:
     if isinstance(paths, (str, os.PathLike)):
         paths = [paths]
     return c_strings([path_bytes(path) for path in paths])
+
+
+def _optional_day(day: Union[str, datetime.date, None]) -> Optional[bytes]:
+    return _optional_text(day.isoformat()[:10] if isinstance(day, datetime.date) else day)
 
 
 def _optional_text(text: Optional[str]) -> Optional[bytes]:

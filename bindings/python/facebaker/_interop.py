@@ -92,6 +92,7 @@ FB_ACTIVATION_LINEAR = 0
 FB_ACTIVATION_RELU = 1
 FB_ACTIVATION_TANH = 2
 FB_ACTIVATION_SILU = 3
+FB_SIGNATURE_ACCEPT_EXPIRED = 1
 FB_USE_VARIANT = 0
 FB_USE_BACKLOT = 1
 FB_OPTION_COUNT = 0
@@ -351,6 +352,15 @@ class fb_decomposition_info(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("joint_count", c_uint32), ("influences", c_uint32), ("vertex_count", c_uint32),
         ("centres", POINTER(c_float)), ("joints", POINTER(c_uint16)), ("weights", POINTER(c_float))]
+class fb_sign_desc(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("reserved", c_uint32), ("path", c_char_p), ("key", c_char_p),
+        ("certificate", c_char_p), ("pass_phrase", c_char_p), ("signature", c_char_p)]
+class fb_verify_signature_desc(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("flags", c_uint32), ("archive", c_void_p), ("path", c_char_p),
+        ("signature", c_char_p), ("trusted", POINTER(c_char_p)), ("withdrawn", POINTER(c_char_p)),
+        ("trusted_count", c_uint32), ("withdrawn_count", c_uint32), ("on", c_char_p)]
 class fb_errors(Structure):
     _fields_ = [
         ("frames", c_uint64), ("mse", c_double), ("rms", c_double), ("mean", c_double), ("p99", c_double),
@@ -559,6 +569,10 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_decomposition_info_fill": (None, [POINTER(fb_decomposition_info), c_uint32]),
     "fb_decomposition_describe": (c_int32, [c_void_p, POINTER(fb_decomposition_info)]),
     "fb_decomposition_fit": (c_int32, [c_void_p, c_void_p, c_uint64, c_uint32, c_void_p]),
+    "fb_sign_desc_fill": (None, [POINTER(fb_sign_desc), c_uint32]),
+    "fb_sign": (c_int32, [POINTER(fb_sign_desc), POINTER(c_void_p)]),
+    "fb_verify_signature_desc_fill": (None, [POINTER(fb_verify_signature_desc), c_uint32]),
+    "fb_verify_signature": (c_int32, [POINTER(fb_verify_signature_desc), POINTER(c_void_p)]),
     "fb_report_free": (None, [c_void_p]), "fb_report_json": (c_char_p, [c_void_p]),
     "fb_report_details": (c_int32, [c_void_p, POINTER(c_char_p)]),
     "fb_method_fill": (None, [POINTER(fb_method), c_uint32]), "fb_report_method_count": (c_uint32, [c_void_p]),

@@ -31,6 +31,7 @@
 #include <facebaker/facebaker_bag.h>
 #include <facebaker/facebaker_export.h>
 #include <facebaker/facebaker_rig.h>
+#include <facebaker/facebaker_sign.h>
 #include <facebaker/facebaker_source.h>
 
 #ifdef __cplusplus

@@ -293,6 +293,19 @@ inline Report check_bag(const fb_bag_check_desc& desc) {
   return Report(report);
 }
 
+/** Signs a file; see fb_sign. */
+inline Report sign(const fb_sign_desc& desc) {
+  fb_report* report = nullptr;
+  check(fb_sign(&desc, &report));
+  return Report(report);
+}
+/** Checks who vouches for a file; see fb_verify_signature. */
+inline Report verify_signature(const fb_verify_signature_desc& desc) {
+  fb_report* report = nullptr;
+  check(fb_verify_signature(&desc, &report));
+  return Report(report);
+}
+
 /** Says what the rights in what is said about a character come to, on a day or today; see fb_rights. */
 inline Report rights(const char* about, const char* on = nullptr) {
   fb_report* report = nullptr;
