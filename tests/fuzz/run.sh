@@ -9,7 +9,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 what=${1:?give seconds, or keep}
 shift
-[ $# -gt 0 ] || set -- archive dataset npy gltf plugin rig_messages work rights markers texture capture http
+[ $# -gt 0 ] || set -- archive dataset npy gltf plugin rig_messages work rights signatures markers texture capture http
 build=build/fuzz
 sanitizers=address,undefined,fuzzer-no-link
 CC=clang CXX=clang++ cmake -S . -B $build -G Ninja -DFB_FUZZ=ON -DFB_SANITIZE=$sanitizers \
