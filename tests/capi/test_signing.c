@@ -1,8 +1,8 @@
 /* Signatures through the C interface: what fb_sign writes, fb_verify_signature reads, and what both refuse. */
 #include "capi_test.h"
 
-#include <facebaker/facebaker_sign.h>
 #include <facebaker/facebaker_bake.h>
+#include <facebaker/facebaker_sign.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,7 +97,8 @@ static void what_is_missing_or_wrong_is_named(void** state) {
   fb_verify_signature_desc check = verifying(others);
   assert_refused(fb_verify_signature(&check, NULL), FB_ERROR_BAD_DATA, "somebody who is not trusted: CN = Ada");
   check = verifying(NULL);
-  assert_refused(fb_verify_signature(&check, NULL), FB_ERROR_BAD_DATA, "no certificate or key is given that is trusted");
+  assert_refused(fb_verify_signature(&check, NULL), FB_ERROR_BAD_DATA,
+                 "no certificate or key is given that is trusted");
   check = verifying(none);
   assert_refused(fb_verify_signature(&check, NULL), FB_ERROR_INVALID_ARGUMENT, "trusted");
   check.trusted = NULL;

@@ -81,8 +81,8 @@ const std::map<std::string, Layers>& law() {
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
     may["authoring C ABI"] =
-        with(with(may["C ABI"], may["bake/pipeline"]),
-             {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check", "bake/export", "bake/rights", "bake/bag", "bake/signing"});
+        with(with(may["C ABI"], may["bake/pipeline"]), {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check",
+                                                        "bake/export", "bake/rights", "bake/bag", "bake/signing"});
     may["packager"] = {"base", "figures", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};

@@ -12,8 +12,9 @@ namespace test_tool_use {
 
 namespace {
 
-const std::vector<std::string> commands = {"sample", "plan", "check", "bake",   "eval",   "compare", "inspect",
-                                           "verify", "bag", "sign",  "pose",  "export", "header", "bench",   "rig-host"};
+const std::vector<std::string> commands = {"sample",  "plan",    "check",  "bake",  "eval",
+                                           "compare", "inspect", "verify", "bag",   "sign",
+                                           "pose",    "export",  "header", "bench", "rig-host"};
 
 }  // namespace
 
