@@ -12,7 +12,7 @@ from __future__ import annotations
 import pathlib
 import re
 import sys
-from typing import List
+from typing import List, Tuple
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "headers"))
@@ -37,7 +37,7 @@ class CtypesWriter:
         self.read = read
 
     def lines(self) -> List[str]:
-        lines = [f"{constant.name} = {constant.value.rstrip('u')}" for constant in self.read.constants]
+        lines = _assignments([(constant.name, constant.value.rstrip("u")) for constant in self.read.constants])
         lines += [""]
         for one in self.read.types:
             lines += self.struct_lines(one) if isinstance(one, Struct) else self.callback_lines(one.name, one)
@@ -86,6 +86,23 @@ class CtypesWriter:
         if stars not in (0, 1):
             raise HeaderError(f'cannot write the type "{field.type}" in Python')
         return f"POINTER({kind})" if stars else kind
+
+
+def _assignments(values: List[Tuple[str, str]]) -> List[str]:
+    """As many to a line as fit."""
+    lines: List[str] = []
+    names: List[str] = []
+    taken: List[str] = []
+    for name, value in values:
+        line = f"{', '.join([*names, name])} = {', '.join([*taken, value])}"
+        if len(line) > WIDTH or not names:
+            lines.append(f"{name} = {value}")
+            names, taken = [], []
+        else:
+            lines[-1] = line
+        names.append(name)
+        taken.append(value)
+    return lines
 
 
 def _wrapped(before: str, parts: List[str], after: str) -> List[str]:

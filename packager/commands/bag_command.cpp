@@ -74,10 +74,10 @@ void BagCommand::print(const facebaker::Report& report, const std::string& bag) 
     print_result(format("and %llu more faults\n", static_cast<unsigned long long>(more)));
   for (const auto& warning : document["warnings"]) print_result("note: " + note_line(warning));
   if (!document["valid"]) return;
-  print_result(format("%s: BagIt %s, %zu files, %.1f MB, whole; %zu archive%s evaluate as archived, bit for bit\n",
+  print_result(format("%s: BagIt %s, %zu files, %.1f MB, whole; %zu archive%s as archived, bit for bit\n",
                       shown(bag).c_str(), document["version"].get<std::string>().c_str(),
                       document["files"].get<std::size_t>(), document["bytes"].get<double>() / 1e6,
-                      document["archives"].size(), document["archives"].size() == 1 ? "" : "s"));
+                      document["archives"].size(), document["archives"].size() == 1 ? " evaluates" : "s evaluate"));
 }
 
 void BagCommand::write() {

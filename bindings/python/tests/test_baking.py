@@ -337,12 +337,12 @@ class ToolsTest(BakingTest):
         (self.folder / "rig.txt").write_text("a rig")
         stages = []
         bag = self.folder / "bag"
-        written = facebaker.bag([face], bag, sources=[self.folder / "rig.txt"], files={"access/model.glb": face},
+        written = facebaker.bag([face], bag, sources=[self.folder / "rig.txt"], files={"access/model.glb": self.folder / "rig.txt"},
                                 info=[("Source-Organization", "Examples")], date="2026-11-29",
                                 progress=lambda stage, *_: stages.append(stage))  # fmt: skip
         self.assertTrue(written.valid)
         self.assertIn("verifying archives", stages)
-        self.assertEqual((bag / "data/access/model.glb").read_bytes(), face.read_bytes())
+        self.assertEqual((bag / "data/access/model.glb").read_text(), "a rig")
         self.assertIn("Source-Organization: Examples\n", (bag / "bag-info.txt").read_text())
         found = facebaker.check_bag(bag)
         self.assertEqual((found.valid, found.archives, found.faults), (True, 1, ()))
