@@ -148,7 +148,7 @@ void CmsSignature::check_attributes() const {
       made(sk_X509_new_null(), "reading a signature"));
   if (sk_X509_push(one.get(), certificate_) <= 0) succeed(0, "reading a signature");
   if (!named || OSSL_ESS_check_signing_certs(nullptr, named.get(), one.get(), 1) != 1) {
-    ERR_clear_error();
+    forget_reason();
     fail(Status::bad_data, "names another certificate as its signer's than the one that is in it");
   }
 }
@@ -181,7 +181,7 @@ void CmsSignature::check_content(std::span<const std::byte> content) const {
   }
   const BioChain chain = digest_content(message_.get(), content);
   if (CMS_SignerInfo_verify_content(signer_, chain.get()) == 1) return;
-  ERR_clear_error();
+  forget_reason();
   fail(Status::bad_data,
        "is of other bytes: the file was changed after %s signed it at %s, or it is the signature of another file",
        subject_of(certificate_).c_str(), signed_at().c_str());

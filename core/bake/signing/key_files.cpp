@@ -106,7 +106,7 @@ void take_certificates(PemParts parts, SigningKey& signing) {
     else
       signing.chain.push_back(std::move(certificate));
   }
-  ERR_clear_error();  // of keys of another kind
+  forget_reason();  // of keys of another kind
 }
 
 TrustedFile read_trusted_file(const std::filesystem::path& path) {

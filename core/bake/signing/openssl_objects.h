@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <new>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,12 +31,22 @@ using CmsMessage = std::unique_ptr<CMS_ContentInfo, OpensslFree<CMS_ContentInfo_
 using KeyPointer = std::unique_ptr<EVP_PKEY, OpensslFree<EVP_PKEY_free>>;
 using CertificatePointer = std::unique_ptr<X509, OpensslFree<X509_free>>;
 
-// Why OpenSSL refused last, in its words; forgets all that it reported.
+// Why OpenSSL refused last, in its words; forgets all that it reported. Throws bad_alloc where it had too little
+// memory, so that nothing is taken for damage because of that.
 inline std::string openssl_reason() {
   const char* reason = nullptr;
-  for (unsigned long code = ERR_get_error(); code != 0; code = ERR_get_error())
+  bool out_of_memory = false;
+  for (unsigned long code = ERR_get_error(); code != 0; code = ERR_get_error()) {
+    out_of_memory = out_of_memory || ERR_GET_REASON(code) == ERR_R_MALLOC_FAILURE;
     if (const char* text = ERR_reason_error_string(code)) reason = text;
+  }
+  if (out_of_memory) throw std::bad_alloc();
   return reason ? reason : "no reason is given";
+}
+
+// For refusals that need no words of OpenSSL's.
+inline void forget_reason() {
+  static_cast<void>(openssl_reason());
 }
 
 // An object that OpenSSL made, or a failure of `what` if it made none.

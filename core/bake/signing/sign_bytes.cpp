@@ -23,7 +23,7 @@ std::vector<std::byte> sign_bytes(std::span<const std::byte> content, const Sign
                        flags | CMS_NOSMIMECAP | CMS_CADES),
        "signing");
   for (const CertificatePointer& certificate : signer.chain)
-    if (CMS_add1_cert(message.get(), certificate.get()) != 1) ERR_clear_error();  // it is there already
+    if (CMS_add1_cert(message.get(), certificate.get()) != 1) forget_reason();  // it is there already
   const BioChain chain = digest_content(message.get(), content);
   succeed(CMS_dataFinal(message.get(), chain.get()), "signing");
   const std::vector<unsigned char> der = der_of(message.get(), i2d_CMS_ContentInfo, "writing a signature");

@@ -36,7 +36,7 @@ std::vector<CertificatePointer> find_issuers(const CmsSignature& signature, cons
   std::vector<CertificatePointer> issuers;
   if (X509_verify_cert(context.get()) != 1) {
     reason = X509_verify_cert_error_string(X509_STORE_CTX_get_error(context.get()));
-    ERR_clear_error();
+    forget_reason();
     return issuers;
   }
   STACK_OF(X509)* chain = X509_STORE_CTX_get0_chain(context.get());
@@ -76,7 +76,7 @@ TrustFound find_trust(const CmsSignature& signature, std::span<const TrustedFile
         return {file.path, TrustedBy::certificate, subject_of(certificate), {}};
     for (const KeyPointer& one : file.keys)
       if (EVP_PKEY_eq(one.get(), key) == 1) return {file.path, TrustedBy::public_key, key_sha256(key), {}};
-    ERR_clear_error();  // of keys of another kind
+    forget_reason();  // of keys of another kind
     if (file.certificates.empty()) continue;
     std::vector<CertificatePointer> issuers = find_issuers(signature, file, reason);
     if (issuers.empty()) continue;
