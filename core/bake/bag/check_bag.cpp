@@ -248,6 +248,7 @@ void BagCheck::check_oxum() {
 }
 
 BagReport BagCheck::run(const Parallel& parallel) {
+  progress_.begin(Phase::measuring, "reading the bag", 1);
   list();
   check_names();
   read_texts();

@@ -171,6 +171,14 @@ void BagWriter::add_tag_files() {
 
 void check_contents(const BagContents& contents) {
   if (contents.archives.empty()) fail(Status::invalid_argument, "there is no archive to put into the bag");
+  // Before anything takes long.
+  const auto require_there = [](const fs::path& path) {
+    std::error_code error;
+    if (!fs::exists(path, error)) fail_on(path, Status::not_found, "no such file");
+  };
+  for (const auto* given : {&contents.archives, &contents.beside, &contents.sources})
+    for (const fs::path& path : *given) require_there(path);
+  for (const auto& [path, file] : contents.files) require_there(file);
   for (const auto& [label, value] : contents.info) {
     bag_info_line(label, value);
     for (const char* own : {"Bagging-Date", "Bag-Software-Agent", "Payload-Oxum"})
