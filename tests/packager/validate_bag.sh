@@ -2,6 +2,7 @@
 # Writes a bag and has the Library of Congress' validator look at it (bagit.py, from pip: BAGIT names the command), and then
 # at bags with a fault each, which `facebaker bag --check` must all refuse: it prints which of them the other accepts. Where
 # PREMIS_XSD names the schema of PREMIS 3 (premis.xsd of the Library of Congress), xmllint validates the XML against it.
+# bagit.py 1.9 does not read %25, by which RFC 8493 writes per cent signs in names: none has one here.
 #   [BAGIT=bagit.py] [PREMIS_XSD=FILE] tests/packager/validate_bag.sh [FACEBAKER [FACE.fbk...]]
 set -eu
 cd "$(dirname "$0")/../.."
@@ -15,8 +16,8 @@ if [ $# -eq 0 ]; then
   set -- "$golden/2.0/accepted/tiny.fbk" "$golden/2.0/accepted/character.fbk" "$golden/2.1/accepted/driven.fbk"
 fi
 
-echo "words" > "$folder/100% words.txt"
-"$tool" bag "$@" --source "$folder/100% words.txt" --organisation "An archive" --out "$folder/whole" > /dev/null 2>&1
+echo "words" > "$folder/two words.txt"
+"$tool" bag "$@" --source "$folder/two words.txt" --organisation "An archive" --out "$folder/whole" > /dev/null 2>&1
 $bagit --quiet --validate "$folder/whole"
 echo "agrees that it is whole: $bagit"
 if [ -n "${PREMIS_XSD:-}" ]; then
