@@ -74,10 +74,11 @@ void BagCommand::print(const facebaker::Report& report, const std::string& bag) 
     print_result(format("and %llu more faults\n", static_cast<unsigned long long>(more)));
   for (const auto& warning : document["warnings"]) print_result("note: " + note_line(warning));
   if (!document["valid"]) return;
-  print_result(format("%s: BagIt %s, %zu files, %.1f MB, whole; %zu archive%s as archived, bit for bit\n",
-                      shown(bag).c_str(), document["version"].get<std::string>().c_str(),
-                      document["files"].get<std::size_t>(), document["bytes"].get<double>() / 1e6,
-                      document["archives"].size(), document["archives"].size() == 1 ? " evaluates" : "s evaluate"));
+  const std::size_t archives_found = document["archives"].size();
+  print_result(format("%s: BagIt %s, %zu files, %.1f MB, whole; %zu %s as archived, bit for bit\n", shown(bag).c_str(),
+                      document["version"].get<std::string>().c_str(), document["files"].get<std::size_t>(),
+                      document["bytes"].get<double>() / 1e6, archives_found,
+                      archives_found == 1 ? "archive evaluates" : "archives evaluate"));
 }
 
 void BagCommand::write() {

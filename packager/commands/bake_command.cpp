@@ -70,7 +70,7 @@ std::string bake_text(const std::string& document) {
   Table table({"figure", "value"});
   add_unseen(table, figures);
   table.add({"bytes", count("bytes")});
-  table.add({figures.at("learned") ? "poses trained on" : "poses measured on; nothing is learned", count("poses")});
+  table.add({"poses", count("poses")});
   table.add({"rig calls", count("rig_calls")});
   if (figures.at("asked") > 0) table.add({"poses asked to learn", count("asked")});
   table.add({"coefficients", count("coefficients")});
@@ -85,6 +85,7 @@ std::string bake_text(const std::string& document) {
     table.add({"exact poses, worst / diagonal", format("%.2e", exact.at("max").get<double>())});
   if (const nlohmann::json& again = figures.at("repeatability"); again.is_object())
     table.add({"rig evaluated again, worst / diagonal", format("%.2e", again.at("max").get<double>())});
+  if (!figures.at("learned")) table.add({"learned", "no: poses measured the face alone"});
   const std::string verdict = figures.at("verdict");
   std::string text = (verdict.empty() ? "" : verdict + "\n\n") + table.text();
   for (const nlohmann::json& warning : figures.at("warnings"))

@@ -44,8 +44,8 @@ from ._solver import Solver, SparseColumns
 from ._source import Source
 
 __all__ = [
-    "BadDataError", "BagResult", "BakeResult", "Channel", "CheckResult", "Clip", "ClipErrors", "ClipSolution", "CompareResult",
-    "Control", "CorruptError", "DrivenJoint", "Error", "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face",
+    "BadDataError", "BagResult", "BakeResult", "Channel", "CheckResult", "Clip", "ClipErrors", "ClipSolution",
+    "CompareResult", "Control", "CorruptError", "DrivenJoint", "Error", "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face",
     "Failure", "FileError", "Image", "InternalError", "InvalidArgumentError", "Joint", "Level", "LimitError",
     "Material", "MaterialRun", "Mesh", "Method", "NotAnArchiveError", "NotFiniteError", "NotFoundError",
     "OutOfMemoryError", "PackResult", "PlanResult", "Result", "Rig", "RigError", "RightsResult", "SampleResult",
