@@ -29,7 +29,8 @@ function useOf(rights, field) {
 /** What `learning` says in CAWG's terms: it may have words instead of allowed or forbidden, and binds with them. */
 function useOfLearning(learning) {
   if (learning === undefined) return undefined;
-  return { allowed: 'allowed', forbidden: 'notAllowed' }[learning] ?? 'constrained';
+  if (/^(forbidden|notallowed)$/i.test(learning)) return 'notAllowed';
+  return learning === 'allowed' ? 'allowed' : 'constrained';
 }
 
 /** Entries of cawg.training-mining. Where `learning` and others disagree the stricter holds. */

@@ -37,11 +37,14 @@ Permission permission_of(const Rights& rights, const std::string& value) {
   return value == "constrained" && !rights.constraint_info.empty() ? Permission::constrained : Permission::not_allowed;
 }
 
-// "allowed", "forbidden", or words, which constrain it.
+// "allowed", "forbidden" in letters of any case or CAWG's word for it, or words, which constrain it.
 Permission own_learning(const Rights& rights) {
   if (rights.learning.empty()) return Permission::unstated;
   if (rights.learning == "allowed") return Permission::allowed;
-  return rights.learning == "forbidden" ? Permission::not_allowed : Permission::constrained;
+  std::string lower = rights.learning;
+  for (char& letter : lower)
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  return lower == "forbidden" || lower == "notallowed" ? Permission::not_allowed : Permission::constrained;
 }
 
 Rights unreadable_rights(std::string why) {

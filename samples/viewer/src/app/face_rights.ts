@@ -97,7 +97,8 @@ function stricter(...permissions: Permission[]): Permission {
 function learningOf({ learning }: Partial<Record<Field, string>>): Permission {
   if (!learning) return "unstated";
   if (learning === "allowed") return "allowed";
-  return learning === "forbidden" ? "not allowed" : "constrained";
+  const lower = learning.replace(/[A-Z]/g, (letter) => letter.toLowerCase());
+  return lower === "forbidden" || lower === "notallowed" ? "not allowed" : "constrained";
 }
 
 /** Of a field of CAWG's terms: what is none of them is not allowed, nor what is constrained without a word on how. */
