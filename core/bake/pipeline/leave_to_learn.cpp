@@ -5,6 +5,7 @@
 
 #include "bake/pipeline/recipe_table.h"
 #include "bake/rig/about.h"
+#include "bake/rights/binding_rights.h"
 #include "bake/rights/rights.h"
 #include "base/calendar_day.h"
 #include "base/shown_path.h"
@@ -14,6 +15,13 @@ namespace fb::bake {
 namespace {
 
 constexpr const char* untrained = "untrained";
+
+// "learning from it is forbidden (ai_training: notAllowed)".
+std::string why_forbidden(const Rights& rights) {
+  for (const std::string& clause : binding_rights(rights, today()))
+    if (clause.starts_with("learning ")) return clause;
+  return "learning from it is forbidden";
+}
 
 [[noreturn]] void refuse(const BakeOptions& options, const std::string& why) {
   fail(Status::invalid_argument, "consent %s %s", shown(options.consent).c_str(), why.c_str());
@@ -80,9 +88,9 @@ std::optional<Consent> leave_to_learn(const std::vector<std::string>& recipes, c
                            (rights.constraint_info.empty() ? rights.learning : rights.constraint_info).c_str()));
     if (permission == Permission::not_allowed && !consent)
       fail(Status::invalid_argument,
-           "\"%s\" may not be learned from (about: rights: learning), and the recipe \"%s\" learns: \"%s\" does not; "
-           "or give a signed consent (--consent and --consent-key)",
-           name, recipe.c_str(), untrained);
+           "\"%s\": %s, and the recipe \"%s\" learns: \"%s\" does not; or give a signed consent (--consent and "
+           "--consent-key)",
+           name, why_forbidden(rights).c_str(), recipe.c_str(), untrained);
   }
   return consent;
 }

@@ -95,7 +95,7 @@ TEST_CASE("who may not learn from a character is told which recipe does not") {
     const WorkFolder folder;
     const std::string what = failure(Status::invalid_argument, [&] { baked(forbidden_rig(), recipe, folder); });
     CHECK_MESSAGE(contains(what, "\"untrained\""), what);
-    CHECK_MESSAGE(contains(what, "rights: learning"), what);
+    CHECK_MESSAGE(contains(what, "learning from it is forbidden (learning: forbidden), and"), what);
   }
   for (const char* recipe : {"untrained", "linear"}) {
     const WorkFolder folder;

@@ -123,7 +123,7 @@ TEST_CASE("what nobody may train on, nobody may learn from, and constraints are 
   };
   CHECK(contains(failure(Status::invalid_argument,
                          [&] { ask(R"({"learning":"allowed","ai_training":"notAllowed"})", silent_progress()); }),
-                 "\"untrained\" does not"));
+                 "(ai_training: notAllowed), and the recipe \"hero\" learns: \"untrained\" does not"));
   Notes progress;
   ask(R"({"ai_training":"constrained","constraint_info":"of film X alone"})", progress);
   CHECK_MESSAGE(contains(progress.all, "of film X alone"), progress.all);
