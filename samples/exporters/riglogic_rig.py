@@ -7,15 +7,16 @@ built by CMake and SWIG. With both, NumPy and facebaker on PYTHONPATH:
 
     python3 samples/exporters/riglogic_rig.py head.dna head.fbk --poses 5000
 
-or, from Python, facebaker.bake(riglogic_rig.load("head.dna"), "head.fbk", recipe="compact"). The rig is baked in this process:
+or, from Python, facebaker.bake(riglogic_rig.load("head.dna"), "head.fbk", recipe="untrained"). The rig is baked in this process:
 the rig protocol has no skinned rigs.
 
 WHAT THE LICENCE OF A CHARACTER ALLOWS IS YOURS TO FIND OUT. That of OpenRigLogic is not that of the characters. Epic's
 licence of MetaHumans is reported to forbid their use "for the training or testing of any artificial intelligence, machine
-learning, deep learning, neural network or similar technology". A bake fits curves and products of controls to poses, and may
-train networks on what these leave. Such a rig needs none: its correctives are products, which joints and correctives hold.
-But no option rules networks out (notes that are printed say whether there are any), and whether a fit without them is allowed
-is a question that this file does not answer: ask Epic, or use a rig of your own that was made without MetaHuman.
+learning, deep learning, neural network or similar technology". So the rig says of itself that it may not be learned from, and a
+bake takes the recipe `untrained`: what the rig does control by control, pair by pair and so on, without networks and without a
+fit to poses. Such a rig needs no more: its correctives are products. FaceBaker then refuses the recipes that learn; of a file
+that is your own, or with Epic's leave, --may-learn leaves that out. Whether a bake without learning is allowed is a question that
+this file does not answer: ask Epic, or use a rig of your own that was made without MetaHuman.
 
 What is taken from the file, at its finest level of detail:
 
@@ -40,11 +41,12 @@ import numpy as np
 import facebaker
 
 LEVEL = 0  # the finest
+NO_LEARNING = {"rights": {"learning": "forbidden"}}
 QUATERNION_PART = re.compile(r"\.q[xyzw]$")
 
 
-def load(path, gui=False, up_axis="y"):
-    """A facebaker.Rig of a DNA file. Raises ImportError without OpenRigLogic's modules, and RuntimeError on a file that
+def load(path, gui=False, up_axis="y", about=NO_LEARNING):
+    """A facebaker.Rig of a DNA file. about: what is said about the character, None for nothing. Raises ImportError without OpenRigLogic's modules, and RuntimeError on a file that
     they refuse."""
     import dna
     import riglogic
@@ -61,7 +63,7 @@ def load(path, gui=False, up_axis="y"):
     units = {dna.TranslationUnit_cm: "cm", dna.TranslationUnit_m: "m"}[reader.getTranslationUnit()]
     with open(path, "rb") as file:
         version = hashlib.sha256(file.read()).hexdigest()
-    return rig_of(reader, logic, riglogic.RigInstance(logic), gui, units=units, up_axis=up_axis, version=version)
+    return rig_of(reader, logic, riglogic.RigInstance(logic), gui, units=units, up_axis=up_axis, about=about, version=version)
 
 
 def rig_of(reader, logic, instance, gui=False, **options):
@@ -312,10 +314,11 @@ def main(arguments=None):
     parser.add_argument("out", help="the archive to write (.fbk)")
     parser.add_argument("--gui", action="store_true", help="controls of the face board in place of raw ones")
     parser.add_argument("--up", choices=("y", "z"), default="y", help="the axis that points up in the file")
-    parser.add_argument("--recipe", default="compact")
-    parser.add_argument("--poses", type=int, default=20000, help="training poses to sample")
+    parser.add_argument("--recipe", default="untrained")
+    parser.add_argument("--may-learn", action="store_true", help="the character's owner allows learning from it")
+    parser.add_argument("--poses", type=int, default=20000, help="poses to sample: to measure the face, and to train on")
     options = parser.parse_args(arguments)
-    rig = load(options.dna, options.gui, options.up)
+    rig = load(options.dna, options.gui, options.up, None if options.may_learn else NO_LEARNING)
     facebaker.bake(rig, options.out, recipe=options.recipe, poses=options.poses, note=lambda text: print(text, file=sys.stderr))
     return 0
 

@@ -207,8 +207,8 @@ def expected(jaw, left, right):
     return points, np.array(frames)[:, :3]
 
 
-def rig(gui=False):
-    return riglogic_rig.rig_of(FakeReader(), FakeLogic(), FakeInstance(), gui, version="1")
+def rig(gui=False, about=None):
+    return riglogic_rig.rig_of(FakeReader(), FakeLogic(), FakeInstance(), gui, about=about, version="1")
 
 
 class RigLogicRig(unittest.TestCase):
@@ -247,10 +247,15 @@ class RigLogicRig(unittest.TestCase):
         positions, _ = found.evaluate(np.array([(-1, 0.5, 0.25)], np.float32))
         np.testing.assert_allclose(positions[0], expected(0.5, 0.5, 0.25)[0], atol=1e-6)
 
-    def test_it_bakes_with_its_joints(self):
+    def test_it_bakes_with_its_joints_and_without_learning(self):
         with tempfile.TemporaryDirectory() as folder:
             out = os.path.join(folder, "face.fbk")
-            face = facebaker.bake(rig(), out, recipe="compact", poses=300, progress=None).load()
+            kept = rig(about=riglogic_rig.NO_LEARNING)
+            with self.assertRaisesRegex(facebaker.InvalidArgumentError, "learning from it is forbidden"):
+                facebaker.bake(kept, out, recipe="compact", poses=300, progress=None)
+            baked = facebaker.bake(kept, out, recipe="untrained", poses=300, progress=None)
+            self.assertFalse(baked.document["learned"])
+            face = baked.load()
         self.assertEqual([joint.name for joint in face.driven_joints], ["FACIAL_C_Jaw", "FACIAL_C_Tongue"])
         self.assertEqual([joint.name for joint in face.joints], ["head"])
         poses = np.random.default_rng(2).uniform(0, 1, (50, 3)).astype(np.float32)
