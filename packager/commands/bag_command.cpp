@@ -1,6 +1,5 @@
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
-#include <new>
 #include <nlohmann/json.hpp>
 
 #include "base/shown_path.h"
@@ -8,6 +7,7 @@
 #include "commands/access_copies.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/library_callback.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
 
@@ -32,23 +32,10 @@ struct BagCommand {
 
 // One that fb_bag calls; user: the command.
 fb_status make_copies(void* user, std::uint32_t archive, const char* base, char* message, std::uint32_t message_size) {
-  const auto failed = [&](fb_status status, const std::string& reason) {
-    if (message_size > 0) message[reason.copy(message, message_size - 1)] = '\0';
-    return status;
-  };
-  try {
+  return answer_library(message, message_size, [&] {
     const auto& command = *static_cast<const BagCommand*>(user);
     write_access_copies(command.archives[archive], base, command.parallel);
-    return FB_OK;
-  } catch (const facebaker::Error& error) {
-    return failed(error.status(), error.what());
-  } catch (const Error& error) {
-    return failed(static_cast<fb_status>(error.status()), error.what());
-  } catch (const std::bad_alloc&) {
-    return failed(FB_ERROR_OUT_OF_MEMORY, "out of memory");
-  } catch (const std::exception& error) {
-    return failed(FB_ERROR_INTERNAL, error.what());
-  }
+  });
 }
 
 std::vector<std::string> BagCommand::info_lines() const {

@@ -1,9 +1,8 @@
 #include "commands/thumbnail.h"
 
 #include <algorithm>
-#include <new>
 
-#include "base/status.h"
+#include "commands/library_callback.h"
 #include "commands/moving_region.h"
 #include "commands/pose_evaluator.h"
 #include "export/character_appearance.h"
@@ -18,24 +17,13 @@ constexpr int thumbnail_pixels = 192;
 
 fb_status draw(void* user, const void* archive, std::uint64_t archive_bytes, void* png, std::uint64_t* png_bytes,
                char* message, std::uint32_t message_size) {
-  const auto failed = [&](fb_status status, const std::string& reason) {
-    if (message_size > 0) message[reason.copy(message, message_size - 1)] = '\0';
-    return status;
-  };
-  try {
+  return answer_library(message, message_size, [&] {
     const facebaker::Model model(archive, archive_bytes);
     const std::vector<std::byte> picture = draw_thumbnail(model, *static_cast<const Parallel*>(user));
     *png_bytes = picture.size();
     std::copy_n(picture.data(), std::min<std::size_t>(picture.size(), FB_THUMBNAIL_BYTES),
                 static_cast<std::byte*>(png));
-    return FB_OK;
-  } catch (const facebaker::Error& error) {
-    return failed(error.status(), error.what());
-  } catch (const Error& error) {
-    return failed(static_cast<fb_status>(error.status()), error.what());
-  } catch (const std::bad_alloc&) {
-    return failed(FB_ERROR_OUT_OF_MEMORY, "out of memory");
-  }
+  });
 }
 
 }  // namespace
